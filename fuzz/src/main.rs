@@ -2,24 +2,26 @@
 
 #![allow(clippy::print_stdout, clippy::print_stderr, reason = "a command line prints")]
 
-use std::collections::VecDeque;
 use std::fs;
-use std::io::{self, IsTerminal, Write};
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use clap::Parser;
+use glanz::job::CancelFlag;
 use glanz_fuzz::corpus::{self, CorpusEntry};
 use glanz_fuzz::limits;
-use glanz_fuzz::measurement::{Measurement, record_panics};
+use glanz_fuzz::measurement::{Measurement, last_panic, record_panics};
 use glanz_fuzz::minimize::minimize;
+use glanz_fuzz::progress::{CampaignExtent, CampaignProgress};
 use glanz_fuzz::targets::{Target, memory_folder, target, targets};
 use glanz_fuzz::worker::{self, FaultReport, MutantRun, WorkerReport, kept_path};
+use glanz_terminal::interrupt;
 
-/// Reads mutants of files by every reader of Glanz; the exit code is 1 if one panics, takes too long or too much memory.
+/// Reads mutants of files by every reader of Glanz; the exit code is 1 if one panics, takes too long or too much memory, and 2 if a target could not be tested.
 #[derive(Debug, Parser)]
 #[command(name = "glanz-fuzz")]
 struct FuzzArguments {
@@ -66,7 +68,19 @@ impl FuzzArguments {
 }
 
 fn main() -> ExitCode {
-    match run(&FuzzArguments::parse()) {
+    let arguments = FuzzArguments::parse();
+    let cancel = match interrupt::listen() {
+        Ok(cancel) => cancel,
+        Err(error) => {
+            eprintln!("error: {}", error.message);
+            return ExitCode::from(2);
+        }
+    };
+    match run(&arguments, &cancel) {
+        Ok(_) if cancel.is_cancelled() => {
+            eprintln!("stopped by a signal");
+            ExitCode::from(interrupt::exit_code())
+        }
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::FAILURE,
         Err(error) => {
@@ -77,7 +91,7 @@ fn main() -> ExitCode {
 }
 
 /// Runs the command; returns whether there was no fault.
-fn run(arguments: &FuzzArguments) -> Result<bool, String> {
+fn run(arguments: &FuzzArguments, cancel: &CancelFlag) -> Result<bool, String> {
     let chosen = chosen(&arguments.targets)?;
     if arguments.list {
         chosen.iter().for_each(|target| println!("{}", target.name));
@@ -89,12 +103,12 @@ fn run(arguments: &FuzzArguments) -> Result<bool, String> {
         let cases = arguments.limited_cases().unwrap_or(u64::MAX);
         let task = MutantRun { target, cases, seconds, seed };
         record_panics();
-        return with_small_stack(|| worker::work(&task, folder)).map(|()| true);
+        return reported(with_small_stack(|| worker::work(&task, folder, cancel)));
     }
     if let Some(file) = &arguments.replay_here {
         let [target] = chosen[..] else { return Err("a file has one target".to_owned()) };
         record_panics();
-        return with_small_stack(|| read_here(target, file)).map(|()| true);
+        return reported(with_small_stack(|| read_here(target, file)));
     }
     if let Some(file) = &arguments.replay {
         let [target] = chosen[..] else { return Err("name the target of the file".to_owned()) };
@@ -106,11 +120,11 @@ fn run(arguments: &FuzzArguments) -> Result<bool, String> {
             .iter()
             .flat_map(|target| of_target(target.name).into_iter().map(|e| (target.name, e)))
             .collect();
-        let faults = replayed_at_a_time(&entries, slots(arguments))?;
+        let faults = replayed_at_a_time(&entries, slots(arguments), cancel)?;
         println!("{} files, {faults} with a fault", entries.len());
         return Ok(faults == 0);
     }
-    mutants(&chosen, arguments)
+    mutants(&chosen, arguments, cancel)
 }
 
 fn chosen(names: &[String]) -> Result<Vec<&'static Target>, String> {
@@ -131,8 +145,16 @@ fn with_small_stack(work: impl FnOnce() -> io::Result<()> + Send) -> Result<(), 
     std::thread::scope(|scope| {
         let thread = std::thread::Builder::new().stack_size(limits::STACK).spawn_scoped(scope, work);
         let result = thread.map_err(|error| error.to_string())?.join();
-        result.map_err(|_| "the thread panicked".to_owned())?.map_err(|error| error.to_string())
+        result.map_err(|_| format!("panic at {}", last_panic()))?.map_err(|error| error.to_string())
     })
+}
+
+/// Prints the error of a process that reads, whose standard error stream nobody reads.
+fn reported(result: Result<(), String>) -> Result<bool, String> {
+    if let Err(reason) = &result {
+        worker::print_error(reason);
+    }
+    result.map(|()| true)
 }
 
 /// Reads a file in this process, with the files that belong to it if it is the scene of a folder of the corpus.
@@ -156,22 +178,57 @@ fn replayed(target: &str, name: &str, file: &Path) -> Result<bool, String> {
 }
 
 /// Reads the entries of these targets, several at a time; returns the number of those with a fault.
-fn replayed_at_a_time(entries: &[(&str, CorpusEntry)], slots: usize) -> Result<usize, String> {
-    let (next, faults) = (AtomicUsize::new(0), AtomicUsize::new(0));
-    let work = || -> Result<(), String> {
-        while let Some((target, entry)) = entries.get(next.fetch_add(1, Ordering::Relaxed)) {
+fn replayed_at_a_time(
+    entries: &[(&str, CorpusEntry)],
+    slots: usize,
+    cancel: &CancelFlag,
+) -> Result<usize, String> {
+    let faults = AtomicUsize::new(0);
+    let errors = for_each_at_a_time(entries, slots, |(target, entry)| {
+        if !cancel.is_cancelled() {
             let is_fine = replayed(target, &entry.name, &entry.file)?;
             faults.fetch_add(usize::from(!is_fine), Ordering::Relaxed);
         }
         Ok(())
-    };
-    let results: Vec<_> = std::thread::scope(|scope| {
-        let threads: Vec<_> = (0..slots).map(|_| scope.spawn(work)).collect();
-        let stopped = |_| Err("a thread stopped".to_owned());
-        threads.into_iter().map(|thread| thread.join().unwrap_or_else(stopped)).collect()
     });
-    results.into_iter().collect::<Result<(), String>>()?;
-    Ok(faults.into_inner())
+    if errors.is_empty() { Ok(faults.into_inner()) } else { Err(listed(&errors)) }
+}
+
+/// Calls `work` for every item, also after one has failed, `slots` at a time; returns the errors that differ, in the order of time.
+fn for_each_at_a_time<T: Sync>(
+    items: &[T],
+    slots: usize,
+    work: impl Fn(&T) -> Result<(), String> + Sync,
+) -> Vec<String> {
+    let (next, errors) = (AtomicUsize::new(0), Mutex::new(Vec::<String>::new()));
+    let add = |error: String| {
+        let mut errors = errors.lock().unwrap_or_else(PoisonError::into_inner);
+        if !errors.contains(&error) {
+            errors.push(error);
+        }
+    };
+    let run = || {
+        while let Some(item) = items.get(next.fetch_add(1, Ordering::Relaxed)) {
+            work(item).unwrap_or_else(&add);
+        }
+    };
+    std::thread::scope(|scope| {
+        let threads: Vec<_> = (0..slots).map(|_| scope.spawn(&run)).collect();
+        for thread in threads {
+            thread.join().unwrap_or_else(|_| add("a thread panicked".to_owned()));
+        }
+    });
+    errors.into_inner().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// A line for each error, of which `main` prints the first label.
+fn listed(errors: &[String]) -> String {
+    errors.join("\nerror: ")
+}
+
+/// Prints a line to the standard output. One that nobody reads any longer, after a test was ended, is no reason to lose the files of faults.
+fn print_line(line: &str) {
+    let _ = writeln!(io::stdout(), "{line}");
 }
 
 /// Number of processes at a time.
@@ -179,18 +236,22 @@ fn slots(arguments: &FuzzArguments) -> usize {
     arguments.jobs.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from)).max(1)
 }
 
-/// Runs mutants of the targets, and prints a line for each target and each fault.
-fn mutants(chosen: &[&'static Target], arguments: &FuzzArguments) -> Result<bool, String> {
+/// Runs mutants of the targets, and prints a line for each target and each fault, also if `cancel` ends them early.
+fn mutants(
+    chosen: &[&'static Target],
+    arguments: &FuzzArguments,
+    cancel: &CancelFlag,
+) -> Result<bool, String> {
     let slots = slots(arguments);
     let keep = arguments.keep.clone().unwrap_or_else(|| PathBuf::from("target/fuzz"));
     fs::create_dir_all(&keep).map_err(|error| format!("{}: {error}", keep.display()))?;
     let mut is_fine = true;
     let start = Instant::now();
     let tasks = tasks(chosen, arguments, slots);
-    let total = arguments.limited_cases().map(|_| tasks.iter().map(|task| task.cases).sum());
-    let progress = CaseProgress { done: AtomicU64::new(0), total, is_over: AtomicBool::new(false) };
+    let progress = CampaignProgress { cancel: cancel.clone(), ..CampaignProgress::default() };
     let mut reports: Vec<TargetReport> = chosen.iter().map(|_| TargetReport::default()).collect();
-    let (found, failure) = run_tasks(tasks, chosen, slots, &progress);
+    let extent = CampaignExtent::of(&tasks, slots, arguments.limited_cases().is_some());
+    let (found, errors) = run_tasks(&tasks, chosen, slots, &progress, &extent);
     for (index, report, took) in found {
         if let Some(target) = reports.get_mut(index) {
             target.report.add(report);
@@ -203,18 +264,23 @@ fn mutants(chosen: &[&'static Target], arguments: &FuzzArguments) -> Result<bool
         if !report.slowest.is_empty() {
             write(&kept_path(&keep, target.name, "slowest"), &report.slowest)?;
         }
-        let is_blunt = figures.read == 0 || figures.read == figures.cases;
+        // Of processes that a signal ended, only the numbers of cases are known.
+        let is_blunt = !cancel.is_cancelled() && (figures.read == 0 || figures.read == figures.cases);
         if figures.cases >= 1000 && report.faults.is_empty() && is_blunt {
-            println!("  fault: {} of {} mutants are read, which tests little", figures.read, figures.cases);
+            print_line(&format!(
+                "  fault: {} of {} mutants are read, which tests little",
+                figures.read, figures.cases
+            ));
             is_fine = false;
         }
         for fault in report.faults {
             is_fine = false;
-            report_fault(fault, &keep)?;
+            report_fault(fault, &keep, cancel)?;
         }
     }
-    println!("{} mutants in {:.1} s", progress.done.load(Ordering::Relaxed), start.elapsed().as_secs_f64());
-    failure.map_or(Ok(is_fine), |error| Err(error.to_string()))
+    let cases = progress.cases.load(Ordering::Relaxed);
+    print_line(&format!("{cases} mutants in {:.1} s", start.elapsed().as_secs_f64()));
+    if errors.is_empty() { Ok(is_fine) } else { Err(listed(&errors)) }
 }
 
 /// What all processes of a target found, and their time.
@@ -225,7 +291,7 @@ struct TargetReport {
 }
 
 /// The parts of the campaigns: one for each process if there are many cases.
-fn tasks(chosen: &[&'static Target], arguments: &FuzzArguments, slots: usize) -> VecDeque<MutantRun> {
+fn tasks(chosen: &[&'static Target], arguments: &FuzzArguments, slots: usize) -> Vec<MutantRun> {
     let of_target = |target: &&'static Target| {
         let target = *target;
         let cases = arguments.limited_cases().map_or(u64::MAX, |cases| cases.div_ceil(target.divisor));
@@ -241,77 +307,40 @@ fn tasks(chosen: &[&'static Target], arguments: &FuzzArguments, slots: usize) ->
     chosen.iter().flat_map(of_target).collect()
 }
 
-struct CaseProgress {
-    done: AtomicU64,
-    /// `None`: only the time is limited.
-    total: Option<u64>,
-    is_over: AtomicBool,
-}
-
-impl CaseProgress {
-    /// Shows the number of cases until the end: each second on a terminal, else each minute.
-    fn show(&self) {
-        let is_terminal = io::stderr().is_terminal();
-        let (mut shown, start) = (Instant::now(), Instant::now());
-        while !self.is_over.load(Ordering::Relaxed) {
-            std::thread::sleep(Duration::from_millis(20));
-            if shown.elapsed() > Duration::from_secs(if is_terminal { 1 } else { 60 }) {
-                shown = Instant::now();
-                let done = self.done.load(Ordering::Relaxed);
-                let [before, after] = if is_terminal { ["\r", ""] } else { ["", "\n"] };
-                let total = self.total.map(|total| format!(" of {total}")).unwrap_or_default();
-                eprint!("{before}{done}{total} mutants, {:.0} s{after}", start.elapsed().as_secs_f64());
-                let _ = io::stderr().flush();
-            }
-        }
-        if is_terminal {
-            eprint!("\r{:60}\r", "");
-        }
-    }
-}
-
-/// Runs the tasks, `slots` at a time; returns the number of the target, the report and the time of each, and the first failure. Those that fail have a
+/// Runs the tasks, `slots` at a time; returns the number of the target, the report and the time of each, and the errors. Those that fail have a
 /// report, too, and the others go on.
 fn run_tasks(
-    tasks: VecDeque<MutantRun>,
+    tasks: &[MutantRun],
     chosen: &[&'static Target],
     slots: usize,
-    progress: &CaseProgress,
-) -> (Vec<(usize, WorkerReport, Duration)>, Option<io::Error>) {
-    let (queue, reports) = (Mutex::new(tasks), Mutex::new(Vec::new()));
-    let run = |task: &MutantRun| -> io::Result<()> {
-        let folder = memory_folder()?;
+    progress: &CampaignProgress,
+    extent: &CampaignExtent,
+) -> (Vec<(usize, WorkerReport, Duration)>, Vec<String>) {
+    let (reports, is_over) = (Mutex::new(Vec::new()), AtomicBool::new(false));
+    let run = |task: &MutantRun| -> Result<(), String> {
+        if progress.cancel.is_cancelled() {
+            return Ok(());
+        }
+        let named = |error: io::Error| format!("{}: {error}", task.target.name);
+        let folder = memory_folder().map_err(named)?;
         let (start, mut report) = (Instant::now(), WorkerReport::default());
-        let result = worker::run(task, folder.path(), &progress.done, &mut report);
+        let result = worker::run(task, folder.path(), progress, &mut report);
         let index = chosen.iter().position(|target| target.name == task.target.name).unwrap_or_default();
         reports.lock().unwrap_or_else(PoisonError::into_inner).push((index, report, start.elapsed()));
-        result
+        result.map_err(named)
     };
-    let work = || -> io::Result<()> {
-        let mut first = Ok(());
-        loop {
-            let Some(task) = queue.lock().unwrap_or_else(PoisonError::into_inner).pop_front() else {
-                return first;
-            };
-            first = first.and(run(&task));
-        }
-    };
-    let results: Vec<io::Result<()>> = std::thread::scope(|scope| {
-        let show = scope.spawn(|| progress.show());
-        let threads: Vec<_> = (0..slots).map(|_| scope.spawn(work)).collect();
-        let stopped = |_| Err(io::Error::other("a thread stopped"));
-        let results = threads.into_iter().map(|thread| thread.join().unwrap_or_else(stopped)).collect();
-        progress.is_over.store(true, Ordering::Relaxed);
-        let _ = show.join();
-        results
+    let errors = std::thread::scope(|scope| {
+        scope.spawn(|| extent.show(progress, &is_over));
+        let errors = for_each_at_a_time(tasks, slots, run);
+        is_over.store(true, Ordering::Relaxed);
+        errors
     });
-    let failure = results.into_iter().find_map(Result::err);
-    (reports.into_inner().unwrap_or_else(PoisonError::into_inner), failure)
+    (reports.into_inner().unwrap_or_else(PoisonError::into_inner), errors)
 }
 
 fn print_figures(target: &Target, report: &WorkerReport, took: Duration) {
     let figures = &report.figures;
-    println!(
+    print_line(&format!(
         "{:<11} {:>9} mutants {:>7.0}/s {:>4.0} % read {:>4} outcomes, slowest {:.3} s, peak {:.1} MB, {:.0} bytes per byte",
         target.name,
         figures.cases,
@@ -321,26 +350,30 @@ fn print_figures(target: &Target, report: &WorkerReport, took: Duration) {
         figures.slowest.as_secs_f64(),
         figures.peak as f64 * 1e-6,
         figures.peak_factor,
-    );
+    ));
 }
 
-/// Makes the file of a fault smaller, keeps it, and prints it.
-fn report_fault(fault: FaultReport, keep: &Path) -> Result<(), String> {
+/// Makes the file of a fault smaller until `cancel` is raised, keeps it, and prints it.
+fn report_fault(fault: FaultReport, keep: &Path, cancel: &CancelFlag) -> Result<(), String> {
     let FaultReport { target, signature, text, bytes } = fault;
     let path = kept_path(keep, target, &signature);
     let length = bytes.len();
     write(&path, &bytes)?;
     let trial = kept_path(keep, target, "trial");
     let fails = |bytes: &[u8]| {
+        if cancel.is_cancelled() {
+            return false;
+        }
         let found =
             fs::write(&trial, bytes).ok().and_then(|()| worker::replay(target, &trial).ok().flatten());
-        found.is_some_and(|[found, _]| found == signature)
+        // A process that a signal ended says nothing.
+        found.is_some_and(|[found, _]| found == signature) && !cancel.is_cancelled()
     };
     // A fault that does not come again, such as one of time on a busy machine, keeps its file.
     let smallest = minimize(bytes, fails);
     let _ = fs::remove_file(&trial);
     write(&path, &smallest)?;
-    println!("  fault: {text}\n    {} ({} of {length} bytes)", path.display(), smallest.len());
+    print_line(&format!("  fault: {text}\n    {} ({} of {length} bytes)", path.display(), smallest.len()));
     Ok(())
 }
 
@@ -358,5 +391,17 @@ mod tests {
         assert_eq!(cases("glanz-fuzz"), Some(10_000));
         assert_eq!(cases("glanz-fuzz --seconds 5"), None);
         assert_eq!(cases("glanz-fuzz --seconds 5 --cases 7"), Some(7));
+    }
+
+    #[test]
+    fn all_errors_are_returned_once_and_the_others_go_on() {
+        let calls = AtomicUsize::new(0);
+        let mut errors = for_each_at_a_time(&[1, 2, 3, 1], 2, |number| {
+            calls.fetch_add(1, Ordering::Relaxed);
+            if *number == 2 { Ok(()) } else { Err(format!("{number} fails")) }
+        });
+        errors.sort();
+        assert_eq!(errors, ["1 fails", "3 fails"]);
+        assert_eq!(calls.into_inner(), 4);
     }
 }

@@ -73,6 +73,12 @@ pub struct Measurement {
 /// The place and message of the last panic of any thread.
 static LAST_PANIC: Mutex<String> = Mutex::new(String::new());
 
+/// The place and message of the last panic, if [`record_panics`] was called before.
+#[must_use]
+pub fn last_panic() -> String {
+    LAST_PANIC.lock().unwrap_or_else(PoisonError::into_inner).clone()
+}
+
 /// Keeps panics quiet, and their places.
 pub fn record_panics() {
     std::panic::set_hook(Box::new(|info| {
@@ -125,9 +131,7 @@ impl Measurement {
         let peak = ALLOCATOR.peak_usage().saturating_sub(before);
         let limit = limits::MEMORY.saturating_add(memory);
         let fault = match &outcome {
-            Err(_) => {
-                Some(CaseFault::Panic(LAST_PANIC.lock().unwrap_or_else(PoisonError::into_inner).clone()))
-            }
+            Err(_) => Some(CaseFault::Panic(last_panic())),
             Ok(_) if time > limits::TIME => Some(CaseFault::Time(time)),
             Ok(_) if peak > limit => Some(CaseFault::Memory { peak, limit }),
             Ok(_) => None,

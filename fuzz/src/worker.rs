@@ -6,13 +6,15 @@ use std::fs::{self, File};
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
-use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::time::{Duration, Instant};
+
+use glanz::job::CancelFlag;
 
 use crate::campaign::{Campaign, CampaignFigures};
 use crate::limits;
 use crate::measurement::Measurement;
+use crate::progress::CampaignProgress;
 use crate::targets::{FOLDER_VARIABLE, Target, memory_folder};
 
 /// Part of a campaign that one process runs after the other.
@@ -55,6 +57,9 @@ pub struct WorkerReport {
 /// Longest time before the first case of a process, in which it makes its seeds.
 const START: Duration = Duration::from_secs(120);
 
+/// Longest time that a process has to end by itself after a signal.
+const END: Duration = Duration::from_secs(3);
+
 /// Number of processes that may die for one task.
 const DEATHS: u64 = 8;
 
@@ -64,11 +69,11 @@ const FAULTS: usize = 8;
 const CURRENT: &str = "current";
 const SLOWEST: &str = "slowest";
 
-/// Runs the mutants of a task in this process, with files of its own in `folder`, and prints what it finds for [`run`].
+/// Runs the mutants of a task in this process until they end or `cancel` is raised, with files of its own in `folder`, and prints what it finds for [`run`].
 ///
 /// # Errors
 /// Files in the folder cannot be written.
-pub fn work(task: &MutantRun, folder: &Path) -> io::Result<()> {
+pub fn work(task: &MutantRun, folder: &Path, cancel: &CancelFlag) -> io::Result<()> {
     let mut campaign = Campaign::new(task.target, task.seed);
     let mut current = File::create(folder.join(CURRENT))?;
     let (start, mut shown) = (Instant::now(), Instant::now());
@@ -76,6 +81,7 @@ pub fn work(task: &MutantRun, folder: &Path) -> io::Result<()> {
     while campaign.figures.cases < task.cases
         && task.seconds.is_none_or(|seconds| start.elapsed().as_secs_f64() < seconds)
         && signatures.len() < FAULTS
+        && !cancel.is_cancelled()
     {
         let bytes = campaign.next_mutant();
         let head = [campaign.figures.cases.to_le_bytes(), (bytes.len() as u64).to_le_bytes()];
@@ -101,7 +107,8 @@ pub fn work(task: &MutantRun, folder: &Path) -> io::Result<()> {
         }
         campaign.add(&bytes, &measurement);
         if shown.elapsed() > Duration::from_millis(500) {
-            println!("cases\t{}", campaign.figures.cases);
+            let CampaignFigures { cases, slowest, peak, .. } = campaign.figures;
+            println!("cases\t{cases}\t{}\t{peak}", slowest.as_micros());
             shown = Instant::now();
         }
     }
@@ -123,6 +130,11 @@ pub fn read_once(measurement: &Measurement) {
             measurement.peak
         ),
     }
+}
+
+/// Prints why this process has no result, for [`run`] and [`replay`].
+pub fn print_error(reason: &str) {
+    println!("error\t{}", one_line(reason));
 }
 
 /// A text without ends of lines and tabs, of limited length: the pipe is read when the process has ended.
@@ -152,7 +164,7 @@ fn command(arguments: &[&str], files: &Path) -> io::Result<Command> {
 /// Reads a file in a process of its own: its fault, if it has one, as signature and text.
 ///
 /// # Errors
-/// The process cannot be started.
+/// The process cannot be started, or it cannot read the file.
 pub fn replay(target: &str, file: &Path) -> io::Result<Option<[String; 2]>> {
     let files = memory_folder()?;
     let mut child = command(&[target, "--replay-here", &file.to_string_lossy()], files.path())?.spawn()?;
@@ -175,6 +187,7 @@ pub fn replay(target: &str, file: &Path) -> io::Result<Option<[String; 2]>> {
     Ok(match words[..] {
         ["fault", signature, text, ..] => Some([signature.to_owned(), text.to_owned()]),
         ["fine", ..] => None,
+        ["error", reason] => return Err(io::Error::other(reason)),
         _ => Some(death(status)),
     })
 }
@@ -197,11 +210,22 @@ fn end(child: &mut Child) {
 /// Runs a task in processes with files in `folder`, counts its cases in `progress`, and adds what it finds to the report.
 ///
 /// # Errors
-/// A process cannot be started, it ends before its first case, or files cannot be read.
+/// A process cannot be started, it ends before its first case, or files cannot be read or written.
 pub fn run(
     task: &MutantRun,
     folder: &Path,
-    progress: &AtomicU64,
+    progress: &CampaignProgress,
+    report: &mut WorkerReport,
+) -> io::Result<()> {
+    let result = run_processes(task, folder, progress, report);
+    progress.add_work(task.target, task.cases.saturating_sub(report.figures.cases));
+    result
+}
+
+fn run_processes(
+    task: &MutantRun,
+    folder: &Path,
+    progress: &CampaignProgress,
     report: &mut WorkerReport,
 ) -> io::Result<()> {
     let start = Instant::now();
@@ -212,7 +236,8 @@ pub fn run(
             seed: task.seed.wrapping_add(process << 32),
             ..*task
         };
-        if left.cases == 0 || left.seconds.is_some_and(|seconds| seconds <= 0.0) {
+        let is_out_of_time = left.seconds.is_some_and(|seconds| seconds <= 0.0);
+        if left.cases == 0 || is_out_of_time || progress.cancel.is_cancelled() {
             break;
         }
         // Removed with the process, however it ends.
@@ -244,12 +269,12 @@ fn spawn(task: &MutantRun, folder: &Path, files: &Path) -> io::Result<Child> {
     command(&arguments, files)?.spawn()
 }
 
-/// Adds what a process prints to the report; ends a process that hangs. Returns whether it ended by itself.
+/// Adds what a process prints to the report; ends a process that hangs. Returns whether the task is over: the process ended by itself, or after a signal.
 fn follow(
     child: &mut Child,
     task: &MutantRun,
     folder: &Path,
-    progress: &AtomicU64,
+    progress: &CampaignProgress,
     report: &mut WorkerReport,
 ) -> io::Result<bool> {
     let (sender, lines) = mpsc::channel();
@@ -269,16 +294,22 @@ fn follow(
     };
     let (mut shown, mut is_complete) = (0, false);
     let mut count = |cases: u64| {
-        progress.fetch_add(cases.saturating_sub(shown), Ordering::Relaxed);
+        progress.add(task.target, cases.saturating_sub(shown));
         shown = shown.max(cases);
     };
     // The case that runs, and since when.
     let (mut case, mut since) = (None, Instant::now());
     let mut is_hanging = false;
+    let mut reason: Option<String> = None;
+    let mut cancelled: Option<Instant> = None;
     loop {
         match lines.recv_timeout(Duration::from_millis(250)) {
             Ok(line) => match line.split('\t').collect::<Vec<_>>()[..] {
-                ["cases", cases] => count(cases.parse().unwrap_or_default()),
+                ["cases", cases, slowest, peak] => {
+                    count(cases.parse().unwrap_or_default());
+                    progress.raise(slowest.parse().unwrap_or_default(), peak.parse().unwrap_or_default());
+                }
+                ["error", text] => reason = Some(text.to_owned()),
                 ["fault", signature, text, path] => {
                     add([signature.to_owned(), text.to_owned()], fs::read(path)?);
                 }
@@ -286,6 +317,7 @@ fn follow(
                     is_complete = true;
                     if let Some(figures) = figures(numbers) {
                         count(figures.cases);
+                        progress.raise(figures.slowest.as_micros() as u64, figures.peak);
                         if figures.slowest > report.figures.slowest {
                             report.slowest = fs::read(folder.join(SLOWEST)).unwrap_or_default();
                         }
@@ -305,19 +337,40 @@ fn follow(
             is_hanging = true;
             end(child);
         }
+        if progress.cancel.is_cancelled()
+            && cancelled.get_or_insert_with(Instant::now).elapsed() > END
+            && !is_complete
+        {
+            end(child);
+        }
     }
     let status = child.wait()?;
     // It ends with the output of the process.
     let _ = reader.join();
-    if !is_complete {
-        let Some((number, bytes)) = current(folder) else {
-            return Err(io::Error::other(format!("{}: no case began ({status})", task.target.name)));
-        };
-        add(if is_hanging { hang() } else { death(status) }, bytes);
-        count(number + 1);
-        report.figures.cases += number + 1;
+    if is_complete {
+        return Ok(true);
     }
-    Ok(is_complete)
+    let case = current(folder);
+    if progress.cancel.is_cancelled() {
+        // The case that was ended with its process does not count.
+        let cases = case.map_or(0, |(number, _)| number);
+        count(cases);
+        report.figures.cases += cases;
+        return Ok(true);
+    }
+    let (number, bytes) = match (case, reason) {
+        (Some(case), None) => case,
+        (Some(_), Some(reason)) => return Err(io::Error::other(reason)),
+        (None, Some(reason)) => return Err(io::Error::other(format!("no case began: {reason}"))),
+        (None, None) if is_hanging => {
+            return Err(io::Error::other(format!("no case began within {} s", START.as_secs())));
+        }
+        (None, None) => return Err(io::Error::other(format!("no case began ({status})"))),
+    };
+    add(if is_hanging { hang() } else { death(status) }, bytes);
+    count(number + 1);
+    report.figures.cases += number + 1;
+    Ok(false)
 }
 
 /// The case that a process works on.

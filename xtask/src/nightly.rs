@@ -11,6 +11,8 @@ use crate::{chromium, farm, publish, python, workspace};
 struct NightlyPart {
     name: &'static str,
     package: &'static str,
+    /// Cargo's profile.
+    profile: &'static str,
     /// What the names of its tests contain.
     filter: &'static str,
     /// Divisor of the numbers of the settings in `nightly`, so that it ends in a night on two cores.
@@ -41,10 +43,13 @@ const fn setting(option: &'static str, variable: &'static str, number: u64) -> S
     Setting { option, variable, number }
 }
 
+const RELEASE: &str = "release";
+
 const PARTS: &[NightlyPart] = &[
     NightlyPart {
         name: "contract",
         package: "glanz-geometry",
+        profile: RELEASE,
         filter: "contract::",
         nightly_divisor: 10,
         settings: &[setting("--rays", "GLANZ_CONTRACT_RAYS", 10_000_000)],
@@ -55,6 +60,7 @@ const PARTS: &[NightlyPart] = &[
     NightlyPart {
         name: "zoo",
         package: "glanz-geometry",
+        profile: RELEASE,
         filter: "zoo::",
         nightly_divisor: 10,
         settings: &[
@@ -69,6 +75,7 @@ const PARTS: &[NightlyPart] = &[
     NightlyPart {
         name: "seam",
         package: "glanz-geometry",
+        profile: RELEASE,
         filter: "seam::",
         nightly_divisor: 10,
         settings: &[setting("--rays", "GLANZ_SEAM_RAYS", 100_000_000)],
@@ -79,6 +86,7 @@ const PARTS: &[NightlyPart] = &[
     NightlyPart {
         name: "unbiased",
         package: "glanz-study",
+        profile: RELEASE,
         filter: "unbiased::",
         nightly_divisor: 1,
         settings: &[setting("--samples", "GLANZ_UNBIASED_SAMPLES", 16_384)],
@@ -89,6 +97,7 @@ const PARTS: &[NightlyPart] = &[
     NightlyPart {
         name: "bake",
         package: "glanz-cli",
+        profile: RELEASE,
         filter: "bake_reference::",
         nightly_divisor: 1,
         settings: &[
@@ -104,6 +113,7 @@ const PARTS: &[NightlyPart] = &[
     NightlyPart {
         name: "failures",
         package: "glanz-cli",
+        profile: RELEASE,
         filter: "failures::",
         nightly_divisor: 1,
         settings: &[
@@ -117,6 +127,8 @@ const PARTS: &[NightlyPart] = &[
     NightlyPart {
         name: "mutants",
         package: "glanz-fuzz",
+        // It also looks for overflows, which `release` does not check.
+        profile: "fuzz",
         filter: "mutants::",
         nightly_divisor: 10,
         settings: &[setting("--cases", "GLANZ_FUZZ_CASES", 10_000_000)],
@@ -127,6 +139,7 @@ const PARTS: &[NightlyPart] = &[
     NightlyPart {
         name: "soak",
         package: "glanz-cli",
+        profile: RELEASE,
         filter: "viewer::soak::",
         nightly_divisor: 1,
         settings: &[
@@ -141,6 +154,7 @@ const PARTS: &[NightlyPart] = &[
     NightlyPart {
         name: "cad",
         package: "glanz-cli",
+        profile: RELEASE,
         filter: "viewer::browser::cad::step_files_",
         nightly_divisor: 1,
         settings: &[setting("--seconds", "GLANZ_CAD_SECONDS", 3)],
@@ -149,6 +163,26 @@ const PARTS: &[NightlyPart] = &[
         help: "a STEP file opened on the page: first picture within this time, no gaps, drawn where rays meet it; --files FILE... adds files",
     },
 ];
+
+/// A check of `nightly` without settings that needs a tool beyond Rust.
+struct ToolCheck {
+    name: &'static str,
+    tool: Tool,
+}
+
+const BROWSER: ToolCheck = ToolCheck { name: "browser", tool: Tool::Chromium };
+
+/// The tools that the chosen checks of `nightly` need, each once.
+fn needed(is_chosen: impl Fn(&str) -> bool) -> Vec<Tool> {
+    let of_parts = PARTS.iter().filter_map(|part| Some((part.name, part.needs?)));
+    let mut tools: Vec<Tool> = Vec::new();
+    for (name, tool) in of_parts.chain([(BROWSER.name, BROWSER.tool)]) {
+        if is_chosen(name) && !tools.contains(&tool) {
+            tools.push(tool);
+        }
+    }
+    tools
+}
 
 /// What is installed for tests that need a tool: npm brings the browser.
 fn installed_for(tool: Tool) -> impl Iterator<Item = Tool> {
@@ -195,17 +229,12 @@ pub(crate) fn part(name: &str, options: &[&str]) -> Option<Result<ExitCode, Stri
 /// An unknown name.
 pub(crate) fn nightly(names: &[&str]) -> Result<ExitCode, String> {
     let is_chosen = |name: &str| names.is_empty() || names.contains(&name);
-    let is_needed = |tool: &Tool| {
-        *tool == Tool::Chromium && is_chosen("browser")
-            || PARTS.iter().any(|part| part.needs == Some(*tool) && is_chosen(part.name))
-    };
-    let needs = [Tool::Strace, Tool::Chromium].into_iter().filter(is_needed);
-    let toolbox = Toolbox::prepare(needs.flat_map(installed_for));
+    let toolbox = Toolbox::prepare(needed(is_chosen).into_iter().flat_map(installed_for));
     let mut checks: Vec<Check<'_>> = vec![
         Check { name: "heavy", run: Box::new(|| selected_tests(&[HEAVY_TESTS, "--skip", BROWSER_TESTS])) },
         Check {
-            name: "browser",
-            run: Box::new(|| match toolbox.missing(Tool::Chromium) {
+            name: BROWSER.name,
+            run: Box::new(|| match toolbox.missing(BROWSER.tool) {
                 Some(why) => Ok(Verdict::Skipped(why)),
                 None => selected_tests(&[BROWSER_TESTS]),
             }),
@@ -269,10 +298,8 @@ impl NightlyPart {
 
     /// The command that runs it, its tests' figures printed.
     fn command(&self, mut options: &[&str]) -> Result<Command, String> {
-        // Mutants also look for overflows, which `release` does not check.
-        let profile = if self.name == "mutants" { "fuzz" } else { "release" };
         let mut command =
-            workspace::cargo(["test", "--profile", profile, "--package", self.package, "--test", "it"]);
+            workspace::cargo(["test", "--profile", self.profile, "--package", self.package, "--test", "it"]);
         command.args([self.filter, "--", "--nocapture"]);
         for setting in self.settings {
             command.env(setting.variable, setting.number.to_string());
@@ -348,6 +375,14 @@ mod tests {
             command.get_args().any(|argument| argument == "fuzz")
         };
         assert!(profile("mutants") && !profile("seam"));
+    }
+
+    #[test]
+    fn tools_are_those_of_the_chosen_checks_each_once() {
+        assert_eq!(needed(|_| true), [Tool::Strace, Tool::Chromium]);
+        assert_eq!(needed(|name| name == "browser"), [Tool::Chromium]);
+        assert_eq!(needed(|name| name == "failures" || name == "seam"), [Tool::Strace]);
+        assert!(needed(|name| name == "seam").is_empty());
     }
 
     #[test]

@@ -193,6 +193,7 @@ mod tests {
             let seeds = (target.seeds)();
             assert!(!seeds.is_empty(), "{} has no seeds", target.name);
             for (i, seed) in seeds.iter().enumerate() {
+                assert!(!seed.is_empty(), "{} {i}: an empty seed", target.name);
                 let outcome = (target.run)(seed);
                 assert!(outcome.is_read(), "{} {i}: {outcome:?}", target.name);
             }

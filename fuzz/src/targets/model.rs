@@ -1,4 +1,4 @@
-//! Models: meshes, patches and CAD. Each is read by itself, and as a file that a user opens; CAD has a target for each of the two.
+//! Models: meshes, patches and CAD. Each is read by itself, and as a file that a user opens; CAD has a target for each of the two: opening also trims its faces.
 
 use glanz::formats::cad::{BrepFile, ReadingReport};
 use glanz::formats::{Diagnostics, Loaded, Options, iges, load, newell, obj, ply, rib, step, stl};

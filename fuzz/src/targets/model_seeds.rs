@@ -1,4 +1,5 @@
-//! Right files of models.
+//! Right files of models: those of `step` and `iges`, which are read only, have many faces each; those of `step-faces` and `iges-faces`, whose faces are trimmed as
+//! well, have one face each or few, since trimming takes many times as long.
 
 pub(super) fn ascii_ply() -> Vec<u8> {
     b"ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nproperty float u\n\
@@ -98,11 +99,12 @@ pub(super) fn glb() -> Vec<u8> {
     [&b"glTF"[..], &2_u32.to_le_bytes(), &(12 + chunks.len() as u32).to_le_bytes(), &chunks].concat()
 }
 
-/// Faces on all kinds of surfaces; the second file has them in a product that occurs twice, with colours and mapped items.
+/// Faces on all kinds of surfaces; the second file has them in a product that occurs twice, with colours and mapped items. They are read only.
 pub(super) fn step() -> Vec<Vec<u8>> {
     files(&[include_bytes!("../../seeds/entities.step"), include_bytes!("../../seeds/assembly.step")])
 }
 
+/// Entities of many kinds in one file. They are read only.
 pub(super) fn iges() -> Vec<Vec<u8>> {
     files(&[include_bytes!("../../seeds/entities.iges")])
 }
@@ -111,7 +113,7 @@ fn files(files: &[&[u8]]) -> Vec<Vec<u8>> {
     files.iter().map(|bytes| bytes.to_vec()).collect()
 }
 
-/// Faces of one kind of surface with one kind of border, and a small assembly.
+/// Faces of one kind of surface with one kind of border, and a small assembly, to be trimmed.
 pub(super) fn step_faces() -> Vec<Vec<u8>> {
     files(&[
         include_bytes!("../../seeds/step-faces/assembly-of-disks.step"),
@@ -135,7 +137,7 @@ pub(super) fn step_faces() -> Vec<Vec<u8>> {
     ])
 }
 
-/// The same of IGES.
+/// The same of IGES, and faces of solids and of subfigures.
 pub(super) fn iges_faces() -> Vec<Vec<u8>> {
     files(&[
         include_bytes!("../../seeds/iges-faces/assembly-of-solids.iges"),

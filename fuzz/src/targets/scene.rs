@@ -259,13 +259,20 @@ fn resolved(bytes: &[u8]) -> ReadOutcome {
     opened(bytes).and_then(LoadedScene::resolve).into()
 }
 
-/// Width and height, in pixels, and samples of each pixel of a picture.
+/// Numbers of pixels and samples of a picture.
 #[derive(Clone, Copy)]
-struct PictureSize(u32, u32, u32);
+struct PictureSize {
+    /// Width, pixels.
+    width: u32,
+    /// Height, pixels.
+    height: u32,
+    /// Samples of each pixel.
+    samples: u32,
+}
 
 fn picture(
     scene: LoadedScene,
-    PictureSize(width, height, samples): PictureSize,
+    PictureSize { width, height, samples }: PictureSize,
     range: Option<std::ops::Range<u32>>,
     job: JobOptions<'_>,
 ) -> Result<Picture, Error> {
@@ -281,12 +288,12 @@ fn picture(
 
 /// All samples are counted, and no pixel is infinite or not a number.
 fn rendered(bytes: &[u8]) -> ReadOutcome {
-    let size = PictureSize(6, 4, 4);
+    let size = PictureSize { width: 6, height: 4, samples: 4 };
     let result = opened(bytes).and_then(|scene| picture(scene, size, None, JobOptions::default()));
     if let Ok(picture) = &result {
         let film = picture.film();
         let pixels: u64 = film.format().crop.size.iter().map(|side| u64::from(*side)).product();
-        assert_eq!(picture.statistics().samples, pixels * u64::from(size.2), "samples are lost");
+        assert_eq!(picture.statistics().samples, pixels * u64::from(size.samples), "samples are lost");
         assert!(film.rejects().dropped <= picture.statistics().samples, "{:?}", film.rejects());
         if let Ok(planes) = picture.pixels() {
             let values = planes.channels().iter().flat_map(|channel| &channel.values);
@@ -299,7 +306,7 @@ fn rendered(bytes: &[u8]) -> ReadOutcome {
 
 /// A sample, a checkpoint and a sample have the bits of two samples.
 fn resumed(bytes: &[u8]) -> ReadOutcome {
-    let size = PictureSize(2, 2, 2);
+    let size = PictureSize { width: 2, height: 2, samples: 2 };
     let result = opened(bytes).and_then(|scene| {
         let whole = picture(scene.clone(), size, None, JobOptions::default())?;
         with_folder(|folder| {

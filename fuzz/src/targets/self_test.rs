@@ -46,6 +46,14 @@ pub(super) const TARGETS: &[Target] = &[
         memory_factor: 1,
         divisor: 1,
     },
+    Target {
+        name: "faulty-start",
+        syntax: SYNTAX,
+        seeds: || std::process::abort(),
+        run: |_| ReadOutcome::Read(String::new()),
+        memory_factor: 1,
+        divisor: 1,
+    },
     faulty!("faulty-stack", || assert!(std::hint::black_box(deep(u64::MAX)) > 0)),
 ];
 

@@ -109,14 +109,18 @@ fn made(name: &'static str, make: fn(JobOptions<'_>) -> Result<Vec<u8>, Error>) 
         // A checkpoint of another target.
         let _ = std::fs::remove_file(&path);
         let result = make(JobOptions::default().threads(1).checkpoint(path));
-        vec![result.unwrap_or_else(|error| unmade(name, &error))]
+        let bytes = result.unwrap_or_else(|error| unmade(name, &error.to_string()));
+        if bytes.is_empty() {
+            unmade(name, "it is empty");
+        }
+        vec![bytes]
     });
     files.clone()
 }
 
 #[expect(clippy::panic, reason = "without its seed a target tests nothing")]
-fn unmade(name: &str, error: &Error) -> ! {
-    panic!("the seed of {name} cannot be made: {error}")
+fn unmade(name: &str, reason: &str) -> ! {
+    panic!("the seed of {name} cannot be made: {reason}")
 }
 
 /// The bytes of a file in the folder of this thread; of the checkpoint, if `name` is "seed".
@@ -304,4 +308,15 @@ fn lux(name: &str, bytes: &[u8]) -> ReadOutcome {
         maps.place(&scene).map(drop)
     });
     result.into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    #[should_panic(expected = "the seed of empty cannot be made: it is empty")]
+    fn empty_seeds_are_refused() {
+        made("empty", |_| Ok(Vec::new()));
+    }
 }

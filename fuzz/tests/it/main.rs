@@ -12,15 +12,20 @@ mod mutants;
 mod program;
 
 use std::path::PathBuf;
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
 
 /// The output of the program with these arguments, and the folder in which it keeps files.
 fn run(name: &str, arguments: &[&str]) -> (Output, PathBuf) {
+    run_with_errors(name, arguments, Stdio::piped())
+}
+
+/// The same with this standard error stream.
+fn run_with_errors(name: &str, arguments: &[&str], errors: Stdio) -> (Output, PathBuf) {
     let keep = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
     let _ = std::fs::remove_dir_all(&keep);
     let mut command = Command::new(env!("CARGO_BIN_EXE_glanz-fuzz"));
-    let output = command.args(arguments).arg("--keep").arg(&keep).output().expect("the program starts");
-    (output, keep)
+    command.args(arguments).arg("--keep").arg(&keep).stderr(errors);
+    (command.output().expect("the program starts"), keep)
 }
 
 fn text(output: &Output) -> String {

@@ -33,10 +33,14 @@ fn exhausted_stacks_are_found_and_the_next_process_continues() {
 }
 
 #[test]
-fn process_that_ends_before_its_first_case_is_an_error_and_other_targets_have_their_reports() {
-    let (output, _) = run("faulty-seeds", &["faulty-seeds", "mtl", "--cases", "100", "--jobs", "1"]);
+fn processes_that_end_before_their_first_case_are_errors_with_reasons_and_other_targets_have_their_reports() {
+    let targets = ["faulty-seeds", "faulty-start", "mtl", "--cases", "100", "--jobs", "1"];
+    let (output, _) = run("faulty-seeds", &targets);
     assert_eq!(output.status.code(), Some(2), "{}", text(&output));
-    assert!(text(&output).contains("faulty-seeds: no case began"), "{}", text(&output));
+    let error = String::from_utf8_lossy(&output.stderr);
+    let place = |line: &&str| line.starts_with("error: faulty-seeds: no case began: panic at ");
+    assert!(error.lines().find(place).is_some_and(|line| line.ends_with(": on purpose")), "{error}");
+    assert!(error.contains("error: faulty-start: no case began ("), "{error}");
     assert!(text(&output).contains("mtl               100 mutants"), "{}", text(&output));
 }
 
@@ -47,6 +51,39 @@ fn slow_files_are_found() {
     let (output, _) = run("faulty-time", &["faulty-time", "--replay", file.to_str().unwrap()]);
     assert_eq!(output.status.code(), Some(1), "{}", text(&output));
     assert!(text(&output).contains("slow: 1.1"), "{}", text(&output));
+}
+
+#[test]
+fn files_that_cannot_be_read_have_the_reason() {
+    let file = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("missing");
+    let (output, _) = run("missing", &["mtl", "--replay", file.to_str().unwrap()]);
+    assert_eq!(output.status.code(), Some(2), "{}", text(&output));
+    let error = String::from_utf8_lossy(&output.stderr);
+    assert!(error.starts_with("error: ") && !error.contains("out of stack"), "{error}");
+}
+
+#[test]
+#[cfg(unix)]
+fn signals_end_a_run_with_the_report_so_far() {
+    use std::process::{Command, Stdio};
+    use std::time::{Duration, Instant};
+
+    let keep = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("signal");
+    let _ = std::fs::remove_dir_all(&keep);
+    let mut command = Command::new(env!("CARGO_BIN_EXE_glanz-fuzz"));
+    command.args(["mtl", "--seconds", "600", "--jobs", "1", "--keep"]).arg(&keep);
+    let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    // The program makes the folder after it has begun to listen to signals.
+    let start = Instant::now();
+    while !keep.is_dir() && start.elapsed() < Duration::from_secs(60) {
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    let kill = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    assert!(kill.success());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(130), "{}", text(&output));
+    assert!(text(&output).starts_with("mtl "), "{}", text(&output));
+    assert!(text(&output).contains("stopped by a signal"), "{}", text(&output));
 }
 
 #[test]
