@@ -24,7 +24,7 @@ const USAGE: &str = "\
 Usage: cargo xtask COMMAND
 
   test [STEP...]       the checks of a change: format, layers, references, words, clippy, docs, tests, web, browser
-  nightly [PART...]    all long checks: heavy, browser, benches, publish, farm, python, and the parts below
+  nightly [PART...]    all long checks: heavy, browser, memory (valgrind), benches, publish, farm, python, and the parts below
   farm [JOB...]        jobs in parts by Open Job Description and Slurm, against single runs; GLANZ may name the program
   setup                installs the tools of the checks; `test` does so, too
   layers               dependencies between crates, against the layers of docs/ARCHITECTURE.md

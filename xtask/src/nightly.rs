@@ -165,6 +165,7 @@ const PARTS: &[NightlyPart] = &[
 ];
 
 /// A check of `nightly` without settings that needs a tool beyond Rust.
+#[derive(Clone, Copy)]
 struct ToolCheck {
     name: &'static str,
     tool: Tool,
@@ -172,11 +173,13 @@ struct ToolCheck {
 
 const BROWSER: ToolCheck = ToolCheck { name: "browser", tool: Tool::Chromium };
 
+const MEMORY: ToolCheck = ToolCheck { name: "memory", tool: Tool::Valgrind };
+
 /// The tools that the chosen checks of `nightly` need, each once.
 fn needed(is_chosen: impl Fn(&str) -> bool) -> Vec<Tool> {
     let of_parts = PARTS.iter().filter_map(|part| Some((part.name, part.needs?)));
     let mut tools: Vec<Tool> = Vec::new();
-    for (name, tool) in of_parts.chain([(BROWSER.name, BROWSER.tool)]) {
+    for (name, tool) in of_parts.chain([BROWSER, MEMORY].map(|check| (check.name, check.tool))) {
         if is_chosen(name) && !tools.contains(&tool) {
             tools.push(tool);
         }
@@ -230,15 +233,15 @@ pub(crate) fn part(name: &str, options: &[&str]) -> Option<Result<ExitCode, Stri
 pub(crate) fn nightly(names: &[&str]) -> Result<ExitCode, String> {
     let is_chosen = |name: &str| names.is_empty() || names.contains(&name);
     let toolbox = Toolbox::prepare(needed(is_chosen).into_iter().flat_map(installed_for));
+    let with_tool = |check: ToolCheck, run: fn() -> Result<Verdict, String>| {
+        let toolbox = &toolbox;
+        let run = move || toolbox.missing(check.tool).map_or_else(run, |why| Ok(Verdict::Skipped(why)));
+        Check { name: check.name, run: Box::new(run) }
+    };
     let mut checks: Vec<Check<'_>> = vec![
         Check { name: "heavy", run: Box::new(|| selected_tests(&[HEAVY_TESTS, "--skip", BROWSER_TESTS])) },
-        Check {
-            name: BROWSER.name,
-            run: Box::new(|| match toolbox.missing(BROWSER.tool) {
-                Some(why) => Ok(Verdict::Skipped(why)),
-                None => selected_tests(&[BROWSER_TESTS]),
-            }),
-        },
+        with_tool(BROWSER, || selected_tests(&[BROWSER_TESTS])),
+        with_tool(MEMORY, checked_memory),
         Check { name: "benches", run: Box::new(benches) },
         Check { name: "publish", run: Box::new(|| publish::dry_run().map(Verdict::Passed)) },
         Check { name: "farm", run: Box::new(farm::check) },
@@ -264,6 +267,14 @@ pub(crate) fn nightly(names: &[&str]) -> Result<ExitCode, String> {
 /// Tests that these arguments select.
 fn selected_tests(arguments: &[&str]) -> Result<Verdict, String> {
     run_tests(all_tests().arg("--").args(arguments)).map(Verdict::Passed)
+}
+
+/// Tests of the vector instructions and their unsafe code, under valgrind, which knows them up to AVX2.
+fn checked_memory() -> Result<Verdict, String> {
+    let runner = "target.'cfg(all())'.runner = ['valgrind', '--quiet', '--error-exitcode=9']";
+    let mut command = workspace::cargo(["--config", runner, "test", "--package", "glanz-geometry", "--lib"]);
+    command.args(["--", "bvh::", "instruction_set", "lanes"]);
+    run_tests(&mut command).map(Verdict::Passed)
 }
 
 /// Links examples and benchmarks, which clippy only checks.
@@ -379,7 +390,7 @@ mod tests {
 
     #[test]
     fn tools_are_those_of_the_chosen_checks_each_once() {
-        assert_eq!(needed(|_| true), [Tool::Strace, Tool::Chromium]);
+        assert_eq!(needed(|_| true), [Tool::Strace, Tool::Chromium, Tool::Valgrind]);
         assert_eq!(needed(|name| name == "browser"), [Tool::Chromium]);
         assert_eq!(needed(|name| name == "failures" || name == "seam"), [Tool::Strace]);
         assert!(needed(|name| name == "seam").is_empty());
@@ -410,7 +421,7 @@ mod tests {
         let workflow = std::fs::read_to_string(workflow).unwrap();
         let list = workflow.lines().find_map(|line| line.trim().strip_prefix("part: [")?.strip_suffix(']'));
         let listed: BTreeSet<&str> = list.unwrap().split(", ").collect();
-        let others = ["heavy", "browser", "benches", "publish", "farm", "python"];
+        let others = ["heavy", "browser", "memory", "benches", "publish", "farm", "python"];
         let parts: BTreeSet<&str> = PARTS.iter().map(|part| part.name).chain(others).collect();
         assert_eq!(listed, parts);
     }

