@@ -28,8 +28,9 @@ const SIGNIFICANT: f64 = 8.0;
 /// above has a range of three units or no root: halving ends.
 const CONTACT: f64 = 4.0;
 
-/// Values of g on the edges of a cell, in units of its rounding, up to which a contact is expected.
-const EXPECTED: f64 = 4.0;
+/// Values of g on the edges of a cell, in units of its rounding or relative to its largest coefficient, up to which a contact is expected:
+/// halving alone would take as many cells as its logarithm, at least.
+const EXPECTED: (f64, f64) = (4.0, 1.0 / 4096.0);
 
 /// Accuracy of the places at which the eliminant is searched for values, in units of its uncertainty.
 const RESOLUTION: f64 = 1.0 / 64.0;
@@ -252,8 +253,8 @@ impl ContactCell {
     }
 }
 
-/// Whether g vanishes to within rounding where h does on two edges of the cell, as along a line of the surface in which the ray lies; by the
-/// arguments of [`classify`].
+/// Whether g is small where h vanishes on two edges of the cell, as along a line of the surface next to the ray; by the arguments of
+/// [`classify`].
 pub(super) fn is_expected(
     [first, second]: [&[f64]; 2],
     (p, q): (usize, usize),
@@ -266,6 +267,9 @@ pub(super) fn is_expected(
         return false;
     }
     let d = along / length;
+    let largest =
+        first.iter().zip(second).fold(0.0_f64, |most, (&x, &y)| most.max(d.perp_dot(DVec2::new(x, y)).abs()));
+    let expected = (EXPECTED.0 * noise).max(EXPECTED.1 * largest);
     // Start, step and degree of the coefficients on each edge.
     let edges = [(0, 1, p), (q * (p + 1), 1, p), (0, p + 1, q), (p, p + 1, q)];
     let touches = |&(start, step, degree): &(usize, usize, usize)| {
@@ -286,7 +290,7 @@ pub(super) fn is_expected(
         };
         let start = (ends[0] / (ends[0] - ends[1])).clamp(0.0, 1.0);
         let root = crossing(of_h, [0.0, 1.0], start, 0.25 * noise);
-        value(g, root).0.abs() <= EXPECTED * noise
+        value(g, root).0.abs() <= expected
     };
     edges.iter().filter(|edge| touches(edge)).count() >= 2
 }
