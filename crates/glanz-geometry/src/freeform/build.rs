@@ -357,11 +357,12 @@ impl LeafRules<'_> {
             // NaN, of a leaf without area, is above every limit.
             let deviation = leaf.parallelogram.jacobian_deviation();
             // Next to a collapsed edge or a cusp the deviation stays large, however small the part.
-            let helps = halvings < FIRST_HALVINGS || deviation <= SUFFICIENT_REDUCTION * before[1];
+            let is_reduced = deviation < SUFFICIENT_REDUCTION * before[1];
+            let helps = halvings < FIRST_HALVINGS || is_reduced;
             if deviation <= limit || !large || !helps || halvings == MOST_HALVINGS {
                 done.leaves.push(leaf);
             } else {
-                let halves = leaf.halves();
+                let halves = if is_reduced { leaf.halves() } else { leaf.less_deviating_halves() };
                 open.extend(halves.map(|(part, net)| OpenLeaf {
                     part,
                     net,

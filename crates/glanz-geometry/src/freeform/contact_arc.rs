@@ -28,6 +28,10 @@ const SIGNIFICANT: f64 = 8.0;
 /// above has a range of three units or no root: halving ends.
 const CONTACT: f64 = 4.0;
 
+/// Values of g on the edges of a cell, in units of its rounding or relative to its largest coefficient, up to which a contact is expected:
+/// halving alone would take as many cells as its logarithm, at least.
+const EXPECTED: (f64, f64) = (4.0, 1.0 / 4096.0);
+
 /// Accuracy of the places at which the eliminant is searched for values, in units of its uncertainty.
 const RESOLUTION: f64 = 1.0 / 64.0;
 
@@ -249,6 +253,48 @@ impl ContactCell {
     }
 }
 
+/// Whether g is small where h vanishes on two edges of the cell, as along a line of the surface next to the ray; by the arguments of
+/// [`classify`].
+pub(super) fn is_expected(
+    [first, second]: [&[f64]; 2],
+    (p, q): (usize, usize),
+    [a, b]: [DVec2; 2],
+    noise: f64,
+) -> bool {
+    let along = if b.length_squared() >= a.length_squared() { b } else { a };
+    let length = along.length();
+    if length.is_nan() || length <= 0.0 || p.max(q) > MOST_DEGREE {
+        return false;
+    }
+    let d = along / length;
+    let largest =
+        first.iter().zip(second).fold(0.0_f64, |most, (&x, &y)| most.max(d.perp_dot(DVec2::new(x, y)).abs()));
+    let expected = (EXPECTED.0 * noise).max(EXPECTED.1 * largest);
+    // Start, step and degree of the coefficients on each edge.
+    let edges = [(0, 1, p), (q * (p + 1), 1, p), (0, p + 1, q), (p, p + 1, q)];
+    let touches = |&(start, step, degree): &(usize, usize, usize)| {
+        let at = |k: usize| DVec2::new(first[start + k * step], second[start + k * step]);
+        let ends = [0, degree].map(|k| d.dot(at(k)));
+        if degree == 0 || ends[0].min(ends[1]) > noise || ends[0].max(ends[1]) < -noise {
+            return false;
+        }
+        let (mut h, mut g) = ([0.0; ROW], [0.0; ROW]);
+        for (k, (h, g)) in h.iter_mut().zip(&mut g).enumerate().take(degree + 1) {
+            (*h, *g) = (d.dot(at(k)), d.perp_dot(at(k)));
+        }
+        let (h, g) = (&h[..=degree], &g[..=degree]);
+        let sign = if ends[0] < ends[1] { 1.0 } else { -1.0 };
+        let of_h = |x: f64| {
+            let (y, slope) = value(h, x);
+            (sign * y, sign * slope)
+        };
+        let start = (ends[0] / (ends[0] - ends[1])).clamp(0.0, 1.0);
+        let root = crossing(of_h, [0.0, 1.0], start, 0.25 * noise);
+        value(g, root).0.abs() <= expected
+    };
+    edges.iter().filter(|edge| touches(edge)).count() >= 2
+}
+
 /// Classifies the cell with the Bernstein coefficients `first` and `second`, that of (i, j) at j (p + 1) + i, whose mean derivatives are
 /// `a` and `b`, by its contact curve. `noise` bounds the rounding of the coefficients.
 pub(super) fn classify(
@@ -321,8 +367,8 @@ impl ContactCell {
         let bend = beyond(q.saturating_sub(2)) * (rises * self.bend(&self.g) + steep * self.bend(&self.h));
         let (curved, rounded) = (0.5 * distance * distance * bend, 1.5 * noise * (rises + steep));
         let limit = curved + rounded;
-        // Products of very large or small numbers are none.
-        if !limit.is_finite() || limit <= 0.0 {
+        // Very large or small numbers have no products.
+        if !limit.is_finite() || limit <= 0.0 || !scaled.largest().is_finite() {
             return ArcClass::Irregular;
         }
         let eliminant = Eliminant {

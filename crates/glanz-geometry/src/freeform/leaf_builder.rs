@@ -209,7 +209,25 @@ impl LeafBuilder {
 
     /// Parts and nets of its halves along the direction in which it is more curved.
     pub(super) fn halves(&self) -> [(DyadicRect, Vec<DVec4>); 2] {
-        let across_u = is_more_curved_along_u(&self.net, self.degrees);
+        self.halves_across(is_more_curved_along_u(&self.net, self.degrees))
+    }
+
+    /// The halves, along either direction, of which the sum of the Jacobian deviations is less. A sector of a cone stays as twisted as
+    /// it is in narrower sectors, and only the half at the apex in shorter ones.
+    pub(super) fn less_deviating_halves(&self) -> [(DyadicRect, Vec<DVec4>); 2] {
+        let by_curvature = is_more_curved_along_u(&self.net, self.degrees);
+        let [first, second] = [by_curvature, !by_curvature].map(|across_u| self.halves_across(across_u));
+        let deviation = |halves: &[(DyadicRect, Vec<DVec4>); 2]| -> f64 {
+            halves
+                .iter()
+                .map(|(_, net)| ThickParallelogram::new(net, self.degrees).jacobian_deviation())
+                .sum()
+        };
+        // NaN, of a half without area, is above every sum.
+        if deviation(&second) < deviation(&first) || deviation(&first).is_nan() { second } else { first }
+    }
+
+    fn halves_across(&self, across_u: bool) -> [(DyadicRect, Vec<DVec4>); 2] {
         let [low, high] = control_net::split(&self.net, self.degrees, across_u);
         let [below, above] = self.part.halves(across_u);
         [(below, low), (above, high)]

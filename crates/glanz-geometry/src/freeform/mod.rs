@@ -202,8 +202,8 @@ impl Freeform {
         self.areas().total()
     }
 
-    /// Numbers of the patches that are lines or points to within rounding, in whole or in part, ascending. No ray meets those
-    /// parts, unless the surface has no others.
+    /// Numbers of the patches that are lines or points to within rounding, in whole or in part, where the region keeps them, ascending.
+    /// No ray meets those parts, unless the surface has no others.
     #[must_use]
     pub fn patches_without_area(&self) -> &[u32] {
         &self.without_area

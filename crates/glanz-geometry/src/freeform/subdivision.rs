@@ -75,7 +75,7 @@ pub(super) struct SubdivisionCell {
     factor: f64,
     /// Error of the coefficients by lower degrees.
     reduction: f64,
-    /// Whether it is a half across x, or one across y, of a cell whose degrees were reduced as far as possible.
+    /// Whether it is a half across x, or one across y, of a cell whose degrees were reduced as far as possible; `None` if they were not.
     halved: Option<bool>,
 }
 
@@ -129,7 +129,7 @@ pub(super) fn roots(patch: &impl SubdividablePatch, space: &RaySpace, scratch: &
             scratch.undecided += 1;
             break;
         }
-        search.is_hard = count > EASY_CELLS;
+        search.is_hard |= count > EASY_CELLS;
         search.examine(cell, scratch);
     }
     join(search.flats, patch, space, &mut scratch.roots);
@@ -145,7 +145,7 @@ struct LeafSubdivision<'a, P> {
     lists: usize,
     stack: Vec<SubdivisionCell>,
     flats: Vec<FlatCell>,
-    /// Whether so many cells were examined that the expensive tests pay.
+    /// Whether so many cells were examined that the expensive tests pay, or the ray seems to lie within the surface.
     is_hard: bool,
 }
 
@@ -174,7 +174,7 @@ impl<P: SubdividablePatch> LeafSubdivision<'_, P> {
                     }
                     Ok(None) => {}
                     // Rounding stopped the contraction short of its bound.
-                    Err(NoConvergence) => self.halve(cell, cell.width.x >= cell.width.y, scratch),
+                    Err(NoConvergence) => self.halve(cell, cell.width.x >= cell.width.y, false, scratch),
                 }
                 return;
             }
@@ -202,12 +202,15 @@ impl<P: SubdividablePatch> LeafSubdivision<'_, P> {
             self.stack.push(cell);
             return;
         }
-        if !self.is_hard {
-            self.halve(cell, across_x, scratch);
-            return;
-        }
         let both = &scratch.cells[cell.start..cell.start + 2 * cell.length()];
         let (first, second) = both.split_at(cell.length());
+        if !self.is_hard {
+            if !contact_arc::is_expected([first, second], cell.degrees, slopes, noise) {
+                self.halve(cell, across_x, is_reducible, scratch);
+                return;
+            }
+            self.is_hard = true;
+        }
         let across_x = match contact_arc::classify([first, second], cell.degrees, slopes, noise) {
             ArcClass::Excluded => return,
             ArcClass::Roots(roots) => {
@@ -223,7 +226,7 @@ impl<P: SubdividablePatch> LeafSubdivision<'_, P> {
             ArcClass::Open { across_first } => across_first,
             ArcClass::Irregular => across_x,
         };
-        self.halve(cell, across_x, scratch);
+        self.halve(cell, across_x, is_reducible, scratch);
     }
 
     /// Whether a lower degree of the cell is searched for.
@@ -232,8 +235,14 @@ impl<P: SubdividablePatch> LeafSubdivision<'_, P> {
     }
 
     /// Puts the halves of the last cell in memory on the stack; one that is as small as parameters can be is a root.
-    fn halve(&mut self, cell: SubdivisionCell, across_x: bool, scratch: &mut SearchScratch) {
-        let halved = self.is_reducible(&cell).then_some(across_x);
+    fn halve(
+        &mut self,
+        cell: SubdivisionCell,
+        across_x: bool,
+        is_reduced: bool,
+        scratch: &mut SearchScratch,
+    ) {
+        let halved = is_reduced.then_some(across_x);
         let [low, high] = halve(&SubdivisionCell { halved, ..cell }, across_x, self.lists * cell.length());
         if low.width.min_element() < f64::EPSILON {
             let middle = cell.at(DVec2::splat(0.5));

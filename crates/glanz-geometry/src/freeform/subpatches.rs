@@ -110,6 +110,10 @@ impl Subpatch {
         self.degrees.0.max(self.degrees.1) <= 3 && self.weight_ratio() <= EVEN_WEIGHTS
     }
 
+    fn powers<const K: usize>(&self) -> Bicubic<K> {
+        Bicubic::new(&self.net, self.degrees)
+    }
+
     fn halves(&self) -> [Self; 2] {
         let Self { location: SubpatchLocation { patch, part }, degrees, ref net, rational } = *self;
         let across_u = is_more_curved_along_u(net, degrees);
@@ -130,12 +134,10 @@ impl SubpatchList {
         let rational = subpatches.iter().any(|subpatch| subpatch.rational);
         if subpatches.iter().all(Subpatch::is_simple) {
             if rational {
-                let powers = |subpatch: &Subpatch| Bicubic::new(&subpatch.net, subpatch.degrees);
-                Self::Rational(parallel_map(&subpatches, PARALLEL_CHUNK, powers))
+                Self::Rational(parallel_map(&subpatches, PARALLEL_CHUNK, Subpatch::powers))
             } else {
                 // Those of a surface with coordinates of its own.
-                let powers = |subpatch: &Subpatch| Bicubic::new(&subpatch.net, subpatch.degrees);
-                Self::Polynomial(parallel_map(&subpatches, PARALLEL_CHUNK, powers))
+                Self::Polynomial(parallel_map(&subpatches, PARALLEL_CHUNK, Subpatch::powers))
             }
         } else {
             // All of them in one way, so that pairs of any two can be solved side by side.
