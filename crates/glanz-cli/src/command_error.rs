@@ -100,7 +100,13 @@ fn advice(error: &Error) -> Option<String> {
             "mark shapes with \"string receiver\" \"NAME\", or add the walls of a box with --room X Y Z"
         }
         Error::Cells { .. } => "choose fewer with --cells or longer ones with --texel",
-        Error::Optimize { error, .. } => return optimize_advice(error).map(str::to_owned),
+        Error::Optimize { error, .. } => {
+            return match error.budget() {
+                Some(BudgetError::Limit(limit)) => Some(limit_help(*limit)),
+                Some(end) => end.help(),
+                None => optimize_advice(error).map(str::to_owned),
+            };
+        }
         Error::Integrate(_) => "\"--method trace\" supports lights of every kind",
         _ => return None,
     };

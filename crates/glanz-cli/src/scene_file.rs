@@ -6,7 +6,7 @@ use std::sync::mpsc::{self, RecvTimeoutError};
 use std::time::{Duration, Instant};
 
 use glanz::formats::{ContentKind, Diagnostic, Diagnostics, Options, Severity};
-use glanz::job::{BudgetError, CancelFlag, IoFault, LimitError, Resource};
+use glanz::job::{BudgetError, CancelFlag, IoFault, LimitError, Resource, ResourceLimits};
 use glanz::scene::studio::StudioSettings;
 use glanz::{Error, LoadedScene};
 use glanz_terminal::messages::{CommandError, Messages};
@@ -40,19 +40,26 @@ fn load(path: &Path, options: Options, messages: Messages) -> Result<LoadedScene
     if !is_standard_input(path) {
         return print_diagnostics(glanz::open_with(path, &options), messages);
     }
-    let bytes = read_standard_input(&options, messages)?;
-    let options = Options { folder: Some(PathBuf::from(".")), ..options };
+    let start = Instant::now();
+    let bytes = read_standard_input(&options, start, messages)?;
+    // The limit is one of both together.
+    let time = options.limits.time.saturating_sub(start.elapsed());
+    let limits = ResourceLimits { time, ..options.limits };
+    let options = Options { folder: Some(PathBuf::from(".")), limits, ..options };
     print_diagnostics(glanz::open_bytes(INPUT_NAME, bytes, &options), messages)
 }
 
-/// The bytes of the standard input, at most as many as the limits of files and of memory allow, if they come within the limit of time.
-fn read_standard_input(options: &Options, messages: Messages) -> Result<Vec<u8>, CommandError> {
+/// The bytes of the standard input, at most as many as the limits of files and of memory allow, if they come within the limit of time after `start`.
+fn read_standard_input(
+    options: &Options,
+    start: Instant,
+    messages: Messages,
+) -> Result<Vec<u8>, CommandError> {
     let failed =
         |error: &std::io::Error| CommandError::new(format!("{INPUT_NAME}: {}", IoFault::sentence(error)));
     let resource =
         if options.limits.bytes < options.limits.memory { Resource::Bytes } else { Resource::Memory };
     let limit = options.limits.get(resource);
-    let start = Instant::now();
     let (sender, receiver) = mpsc::channel();
     // Waiting for input cannot be interrupted: this thread then ends with the process.
     let reading = std::thread::Builder::new().spawn(move || {

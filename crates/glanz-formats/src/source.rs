@@ -306,12 +306,7 @@ impl Reporter {
 
 /// The message that reading of a file has ended, without a place.
 pub(crate) fn end_of_reading(file: String, end: BudgetError) -> Diagnostic {
-    let kind = match end {
-        BudgetError::Limit(_) => "limit",
-        BudgetError::Interrupted => "interrupted",
-        BudgetError::TemporaryFile(_) => "temporary-file",
-    };
-    let (message, help) = (end.to_string(), end.help());
+    let (kind, message, help) = (end.kind(), end.to_string(), end.help());
     Diagnostic { severity: Severity::Error, kind, file, location: None, message, excerpt: None, help }
 }
 

@@ -2,21 +2,30 @@
 //!
 //! Its argument, if there is one, is the number of threads of a render; the default is all of the machine.
 
+use std::ffi::OsString;
 use std::io::Write;
 use std::process::ExitCode;
 
 use glanz_viewer::server::{WorkerSettings, run_worker, worker_folder};
 
 fn main() -> ExitCode {
-    let threads = std::env::args().nth(1).and_then(|threads| threads.parse().ok()).unwrap_or(0);
-    let settings = WorkerSettings { threads, ..WorkerSettings::default() };
-    match worker_folder().map(|folder| run_worker(&folder, settings)) {
-        Some(Ok(())) => ExitCode::SUCCESS,
+    match run(std::env::args_os().nth(1)) {
+        Ok(()) => ExitCode::SUCCESS,
         // The server reads it.
-        Some(Err(error)) => {
+        Err(error) => {
             let _ = writeln!(std::io::stderr(), "{error}");
             ExitCode::FAILURE
         }
-        None => ExitCode::FAILURE,
     }
+}
+
+fn run(threads: Option<OsString>) -> Result<(), String> {
+    let number = |text: OsString| {
+        let parsed = text.to_str().and_then(|text| text.parse().ok());
+        parsed.ok_or_else(|| format!("the number of threads must be a number, not {}", text.display()))
+    };
+    let threads = threads.map_or(Ok(0), number)?;
+    let folder = worker_folder().ok_or("only the server of a viewer starts this program")?;
+    run_worker(&folder, WorkerSettings { threads, ..WorkerSettings::default() })
+        .map_err(|error| error.to_string())
 }

@@ -6,7 +6,9 @@ use std::io;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use glanz_job::{BudgetError, CheckpointLockError, IdentityMismatch, Interrupted, IoFault, JobPart};
+use glanz_job::{
+    BudgetError, CheckpointLockError, IdentityMismatch, Interrupted, IoFault, JobPart, ScratchFileError,
+};
 use glanz_scene::description::GuideSettings;
 #[cfg(feature = "formats")]
 use glanz_scene::tessellation::TessellationError;
@@ -488,6 +490,12 @@ impl From<FilmError> for Error {
             FilmError::Pixels(error) => Self::Pixels(error),
             error => Self::Film(error),
         }
+    }
+}
+
+impl From<ScratchFileError> for Error {
+    fn from(error: ScratchFileError) -> Self {
+        Self::Film(error.into())
     }
 }
 

@@ -300,7 +300,7 @@ impl LoadedScene {
     #[cfg(not(feature = "formats"))]
     fn ended(&self, location: Option<Location>, end: BudgetError) -> Diagnostics {
         let plain = self.diagnostic(Severity::Error, location, end.to_string());
-        Diagnostics::of_end(Diagnostic { kind: "limit", help: end.help(), ..plain }, end)
+        Diagnostics::of_end(Diagnostic { kind: end.kind(), help: end.help(), ..plain }, end)
     }
 }
 

@@ -7,6 +7,7 @@ use glanz::illumination::planning::MaintenanceFactor;
 use glanz::illumination::planning::road::{RoadClass, RowArrangement};
 use glanz_terminal::values::positive;
 
+use super::common::LimitArguments;
 use super::plan::{finite, maintenance};
 
 const ROAD_HELP: &str = "\
@@ -29,6 +30,8 @@ pub(crate) struct RoadArguments {
     /// Photometric file of the luminaires, .ldt or .ies; C90 is the side of the road
     #[arg(value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(crate) luminaire: PathBuf,
+    #[command(flatten)]
+    pub(crate) limits: LimitArguments,
     /// Distance between luminaires of a row, metres
     #[arg(long, value_name = "M", value_parser = positive)]
     pub(crate) spacing: f64,

@@ -95,13 +95,16 @@ fn of_luminaire(
     let bytes = input::read(path, budget, messages)?;
     let file = |path: PathBuf| SceneFile { kind: FileKind::Luminaire, exists: path.is_file(), path };
     let mut files = vec![file(path.to_owned())];
-    // Faults of the file matter to those who read its light.
+    // Faults of the file matter to those who read its light, limits to all.
     let _ = photometry::read_with(&bytes, &mut |name| {
         let tilt = path.with_file_name(name);
         let bytes = read_file(&tilt, budget).map_err(|error| error.to_string());
         files.push(file(tilt));
         bytes
     });
+    if let Some(end) = budget.failure() {
+        return Err(input::with_limit_help(CommandError::new(format!("{}: {end}", path.display())), end));
+    }
     Ok(SceneFileList { files, diagnostics: Diagnostics::default() })
 }
 

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use glanz::illumination::planning::road::{LuminaireRow, RoadLayout, RoadRatingError, RoadSurface};
-use glanz::job::ResourceBudget;
+use glanz::job::{CancelFlag, ResourceBudget};
 use glanz_terminal::CommandOutcome;
 use glanz_terminal::messages::{CommandError, Messages};
 
@@ -20,7 +20,8 @@ use crate::report;
 pub(crate) fn run(arguments: &RoadArguments, messages: Messages) -> Result<CommandOutcome, CommandError> {
     let width = f64::from(arguments.lanes) * arguments.lane_width;
     let RoadArguments { spacing, overhang, .. } = *arguments;
-    let budget = ResourceBudget::default();
+    // Without a flag, so that the first Ctrl-C ends the command.
+    let budget = ResourceBudget::new(arguments.limits.limits(), CancelFlag::default());
     let layout = RoadLayout {
         luminaire: luminaire::kind(&arguments.luminaire, &budget, messages)?,
         rows: LuminaireRow::of_arrangement(arguments.arrangement(), width, spacing, overhang),

@@ -348,9 +348,12 @@ const LONG_WRITERS: [LongWriter; 4] = [
 ];
 
 /// Number of kills of a command, unless a variable sets it.
-const FEW_KILLS: u64 = 2;
+const FEW_KILLS: u64 = 1;
 
-/// Kills each command at random moments of a run of `seconds`, so many times; few kills come after a part of the time that is always the same.
+/// Most runs that end before the first checkpoint.
+const MOST_EARLY_ENDS: u64 = 5;
+
+/// Kills each command at random moments of a run of `seconds`, so many times; few kills come when the first checkpoint is there.
 fn kill_at_random(writer: &LongWriter, inputs: &Content, kills: u64, seconds: f64) {
     let folder = Folder::new();
     restore(&folder, inputs);
@@ -364,7 +367,8 @@ fn kill_at_random(writer: &LongWriter, inputs: &Content, kills: u64, seconds: f6
     let (whole, duration) = (folder.content(), start.elapsed());
     // Nothing of the whole run, or else a missing file would not be noticed.
     restore(&folder, inputs);
-    let (mut done, mut ends, mut seed) = (0, 0, 1_u64);
+    let (mut done, mut ends, mut resumable, mut seed) = (0, 0, 0, 1_u64);
+    let checkpoint = folder.path("state");
     while done < kills || ends == 0 {
         // After the last kill the run goes on to its end.
         let mut command = folder.prepared(PROGRAM);
@@ -373,26 +377,38 @@ fn kill_at_random(writer: &LongWriter, inputs: &Content, kills: u64, seconds: f6
         if done < kills {
             seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
             let random = (seed >> 40) as f64 / f64::from(1 << 24) * 1.2;
-            let moment = if kills > FEW_KILLS { random } else { 0.4 };
-            std::thread::sleep(Duration::from_secs_f64(moment * duration.as_secs_f64()));
+            if kills > FEW_KILLS {
+                std::thread::sleep(Duration::from_secs_f64(random * duration.as_secs_f64()));
+            } else {
+                while !checkpoint.exists() && child.try_wait().expect("a child").is_none() {
+                    std::thread::sleep(Duration::from_millis(5));
+                }
+            }
             // It may have ended.
-            done += u64::from(child.try_wait().expect("a child").is_none());
+            let is_running = child.try_wait().expect("a child").is_none();
+            done += u64::from(is_running);
             let _ = child.kill();
+            resumable += u64::from(is_running && checkpoint.exists());
         }
         let ran = finish(child, &line);
         if ran.code.is_some() {
             assert_eq!(ran.code, Some(0), "{line}: {}", ran.stderr);
             assert!(folder.content() == whole, "{line} after {done} kills: {:?}", folder.content().keys());
             ends += 1;
+            assert!(done > 0 || ends < MOST_EARLY_ENDS, "{line} ends before its first checkpoint");
             restore(&folder, inputs);
         }
     }
-    println!("{done} kills, {ends} ends with the same bits, {:.1} s: glanz {line}", duration.as_secs_f64());
+    assert!(resumable > 0, "{line}: no run was killed after its first checkpoint");
+    println!(
+        "{done} kills, {resumable} of them after a checkpoint, {ends} ends with the same bits, {:.1} s: glanz {line}",
+        duration.as_secs_f64()
+    );
 }
 
 fn killed(number: usize) {
     let kills = number_of_kills();
-    kill_at_random(&LONG_WRITERS[number], inputs(), kills, if kills > FEW_KILLS { 3.0 } else { 0.7 });
+    kill_at_random(&LONG_WRITERS[number], inputs(), kills, if kills > FEW_KILLS { 3.0 } else { 2.0 });
 }
 
 fn number_of_kills() -> u64 {

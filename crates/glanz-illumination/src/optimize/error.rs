@@ -1,6 +1,7 @@
 //! Errors of inverse design.
 
-use glanz_scene::{LightId, SceneError};
+use glanz_job::{BudgetError, ScratchFileError};
+use glanz_scene::{LightId, SceneError, SceneErrorKind};
 
 use crate::receiver::ReceiverError;
 
@@ -53,4 +54,26 @@ pub enum OptimizeError {
         /// The fault.
         error: Box<SceneError>,
     },
+    /// The temporary file of pictures that cannot be read.
+    #[error(transparent)]
+    Textures(#[from] ScratchFileError),
+}
+
+impl OptimizeError {
+    /// The limit that a displaced scene has reached, or the end of its budget for another reason.
+    #[must_use]
+    pub fn budget(&self) -> Option<&BudgetError> {
+        match self {
+            Self::Scene { error, .. } => match &error.kind {
+                SceneErrorKind::Budget(end) => Some(end),
+                _ => None,
+            },
+            _ => None,
+        }
+    }
+
+    /// Whether it says nothing about the displacements, only about the resources of this run.
+    pub(super) fn ends_search(&self) -> bool {
+        matches!(self, Self::Textures(_)) || self.budget().is_some()
+    }
 }

@@ -127,6 +127,7 @@ impl RayModel {
             }
         }
         model.aim(&scene, &[]);
+        scene.check_textures()?;
         if !model.has_light(None) {
             return Err(OptimizeError::NoReflection("a mirror"));
         }
@@ -241,7 +242,7 @@ impl RayModel {
     /// Finds anew, in the scene with these displacements, which rays pass and how much of them the mirrors reflect.
     ///
     /// # Errors
-    /// [`OptimizeError::Scene`] if the displaced description is not a scene.
+    /// [`OptimizeError::Scene`] if the displaced description is not a scene, [`OptimizeError::Textures`] if its pictures cannot be read.
     pub(super) fn refresh(
         &mut self,
         description: &Description,
@@ -249,6 +250,7 @@ impl RayModel {
     ) -> Result<(), OptimizeError> {
         let scene = resolved(description, displacements, &self.budget)?;
         self.aim(&scene, displacements);
+        scene.check_textures()?;
         Ok(())
     }
 

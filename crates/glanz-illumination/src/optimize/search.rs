@@ -113,7 +113,8 @@ pub struct OptimizeOutcome {
 /// A cancelled search returns the best displacements so far. The limits of `budget`, whose flag does not count, hold for each scene on the way.
 ///
 /// # Errors
-/// [`OptimizeError`] if the scene has no variable, target or reflected light, or something that is not supported, or if `state` has another number of displacements.
+/// [`OptimizeError`] if the scene has no variable, target or reflected light, or something that is not supported, if `state` has another number of displacements, or if a scene on the way
+/// reaches a limit.
 pub fn optimize(
     description: &Description,
     settings: &OptimizeSettings,
@@ -273,17 +274,25 @@ impl Search<'_> {
         self.skipped = state.skipped_levels[0] as usize;
         let start_merit = self.measured(&state.displacements)?.merit;
         let best = RefCell::new(BestPoint { merit: start_merit, displacements: state.displacements.clone() });
-        let evaluations = Cell::new(state.evaluations);
+        let (evaluations, failure) = (Cell::new(state.evaluations), RefCell::new(None));
         let budget = Cell::new(u32::MAX);
         let x: Vec<f64> =
             self.scales.iter().zip(&state.displacements).map(|(scale, &t)| scale.variable(t)).collect();
         let function: Box<MeritFunction<'_>> = if self.by_gradient {
             Box::new(|displacements| self.with_gradient(displacements))
         } else {
-            // What is no scene is worse than all others.
+            // What is no scene is worse than all others. What exceeds the resources may be better.
             Box::new(|displacements| {
-                let merit = self.rebuilt(displacements).map(|model| model.value(&[], false).merit);
-                (merit.unwrap_or(f64::INFINITY), Vec::new())
+                let merit = match self.rebuilt(displacements) {
+                    Ok(model) => model.value(&[], false).merit,
+                    Err(error) => {
+                        if error.ends_search() {
+                            failure.borrow_mut().get_or_insert(error);
+                        }
+                        f64::INFINITY
+                    }
+                };
+                (merit, Vec::new())
             })
         };
         let problem = ScaledProblem::new(&self.scales, &function, self.cancel, &best, &evaluations, &budget);
@@ -291,7 +300,7 @@ impl Search<'_> {
         let mut on_step = |merit: f64| {
             iterations += 1;
             self.report(sink, iterations, merit);
-            iterations < self.settings.iterations && merit > IDEAL
+            iterations < self.settings.iterations && merit > IDEAL && failure.borrow().is_none()
         };
         if self.by_gradient {
             let solver = LBFGS::new(MoreThuenteLineSearch::new(), MEMORY);
@@ -307,6 +316,9 @@ impl Search<'_> {
             take_steps(NelderMead::new(simplex), state, problem, SIMPLEX_ROUND, &mut on_step);
         }
         drop(function);
+        if let Some(error) = failure.into_inner() {
+            return Err(error);
+        }
         Ok(RoundOutcome { best: best.into_inner(), start_merit, iterations, evaluations: evaluations.get() })
     }
 

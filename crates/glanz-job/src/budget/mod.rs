@@ -295,6 +295,16 @@ impl fmt::Display for BudgetError {
 impl Error for BudgetError {}
 
 impl BudgetError {
+    /// Its name in messages for programs: "limit", "interrupted" or "temporary-file".
+    #[must_use]
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Self::Limit(_) => "limit",
+            Self::Interrupted => "interrupted",
+            Self::TemporaryFile(_) => "temporary-file",
+        }
+    }
+
     /// The remedy for a program that uses the library; `None` where none is needed.
     #[must_use]
     pub fn help(&self) -> Option<String> {

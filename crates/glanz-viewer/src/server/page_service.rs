@@ -14,8 +14,8 @@ use super::message::{PageRequest, ProgressMessage, ServerMessage};
 use super::viewer_scene::ViewerScene;
 use crate::query;
 use crate::stream::{
-    IntegratorName, LatestImage, Outbox, OutboxMessage, Processors, RenderRequest, SharedDenoiser, Stream,
-    StreamContext, StreamStatus, ViewDenoiser, VisibleScene, file,
+    ImageSnapshot, IntegratorName, LatestImage, Outbox, OutboxMessage, Processors, RenderRequest,
+    SharedDenoiser, Stream, StreamContext, StreamStatus, ViewDenoiser, VisibleScene, file,
 };
 
 /// Largest number of queries of a page that are worked on at a time.
@@ -23,6 +23,9 @@ const MOST_WORKERS: usize = 4;
 
 /// Largest number of queries of a page that are worked on or wait for it.
 const MOST_QUERIES: usize = 64;
+
+/// Largest number of pictures of a page that are saved or wait for it: each keeps its pixels in memory.
+const MOST_SAVES: usize = 4;
 
 /// Data that the services of all pages share.
 #[derive(Clone, Debug)]
@@ -55,9 +58,10 @@ pub(crate) struct PageService {
     picture: Arc<LatestImage>,
     visible: Arc<VisibleScene>,
     stream: Option<Stream>,
-    /// Answers to come: areas and volumes may take seconds, and nothing else waits for them.
-    answers: JoinSet<ServerMessage>,
+    /// Answers to come: areas, volumes and files of pictures may take seconds, and nothing else waits for them.
+    answers: JoinSet<Message>,
     workers: Arc<Semaphore>,
+    saves: Arc<Semaphore>,
 }
 
 impl PageService {
@@ -71,6 +75,7 @@ impl PageService {
             stream: None,
             answers: JoinSet::new(),
             workers: Arc::new(Semaphore::new(MOST_WORKERS)),
+            saves: Arc::new(Semaphore::new(MOST_SAVES)),
         }
     }
 
@@ -78,7 +83,7 @@ impl PageService {
     pub(crate) async fn next(&mut self) -> Message {
         tokio::select! {
             biased;
-            Some(Ok(answer)) = self.answers.join_next() => text(&answer),
+            Some(Ok(answer)) = self.answers.join_next() => answer,
             message = self.outbox.next() => message_of(message),
         }
     }
@@ -124,17 +129,26 @@ impl PageService {
                 self.spawn_query(id, move || {
                     let ViewerScene { scene, model, .. } = &*viewer_scene;
                     let hit = query::pick(scene, model, &ray, &filter);
-                    ServerMessage::Hit { id, hit: hit.map(Box::new) }
+                    text(&ServerMessage::Hit { id, hit: hit.map(Box::new) })
                 })
             }
             PageRequest::Measure { id, leaves } => self.spawn_query(id, move || {
                 let measures = viewer_scene.model.measures_of(&leaves);
-                ServerMessage::Measures { id, measures }
+                text(&ServerMessage::Measures { id, measures })
             }),
-            PageRequest::Save { id } => match save(id, Arc::clone(&self.picture)).await {
-                Ok(bytes) => Some(Message::binary(bytes)),
-                Err(message) => Some(failed(id, message)),
-            },
+            PageRequest::Save { id } => {
+                let Some(shot) = self.picture.get() else {
+                    return Some(failed(id, "there is no picture yet".to_owned()));
+                };
+                let Ok(permit) = Arc::clone(&self.saves).try_acquire_owned() else {
+                    let message = format!("{MOST_SAVES} pictures are being saved; wait for one of them");
+                    return Some(failed(id, message));
+                };
+                self.spawn_query(id, move || {
+                    let _permit = permit;
+                    saved(id, shot)
+                })
+            }
         }
     }
 
@@ -157,11 +171,7 @@ impl PageService {
     }
 
     /// Lets a blocking thread find an answer; other requests are served meanwhile.
-    fn spawn_query(
-        &mut self,
-        id: u32,
-        query: impl FnOnce() -> ServerMessage + Send + 'static,
-    ) -> Option<Message> {
+    fn spawn_query(&mut self, id: u32, query: impl FnOnce() -> Message + Send + 'static) -> Option<Message> {
         if self.answers.len() >= MOST_QUERIES {
             let message = format!("{MOST_QUERIES} queries are open; wait for one of their answers");
             return Some(failed(id, message));
@@ -215,28 +225,26 @@ fn ray(origin: [f64; 3], direction: [f64; 3]) -> Option<Ray> {
 async fn answer(
     id: u32,
     workers: Arc<Semaphore>,
-    query: impl FnOnce() -> ServerMessage + Send + 'static,
-) -> ServerMessage {
+    query: impl FnOnce() -> Message + Send + 'static,
+) -> Message {
     // Nothing closes the semaphore.
     let _permit = workers.acquire().await;
     match spawn_blocking(query).await {
         Ok(answer) => answer,
-        Err(error) => ServerMessage::Failed { id, message: error.to_string() },
+        Err(error) => failed(id, error.to_string()),
     }
 }
 
-/// The picture so far as OpenEXR, as it is sent.
-async fn save(id: u32, picture: Arc<LatestImage>) -> Result<Vec<u8>, String> {
-    let Some(shot) = picture.get() else { return Err("there is no picture yet".to_owned()) };
+/// A picture as OpenEXR, as it is sent.
+fn saved(id: u32, shot: ImageSnapshot) -> Message {
     let mut attributes = BTreeMap::from([("samplesPerPixel".to_owned(), shot.samples.to_string())]);
     if shot.is_denoised {
         attributes.insert("denoised".to_owned(), "true".to_owned());
     }
-    let write = move || {
-        let bytes = image::write(&shot.pixels, Format::Exr, &Tone::default(), &attributes);
-        bytes.map(|bytes| file(id, &bytes)).map_err(|error| error.to_string())
-    };
-    spawn_blocking(write).await.map_err(|error| error.to_string())?
+    match image::write(&shot.pixels, Format::Exr, &Tone::default(), &attributes) {
+        Ok(bytes) => Message::binary(file(id, &bytes)),
+        Err(error) => failed(id, error.to_string()),
+    }
 }
 
 fn message_of(message: OutboxMessage) -> Message {
@@ -252,4 +260,42 @@ fn message_of(message: OutboxMessage) -> Message {
         StreamStatus::Failed(message) => ServerMessage::Failed { id, message },
     };
     text(&answer)
+}
+
+#[cfg(test)]
+mod tests {
+    use glanz_formats::Options;
+    use glanz_light::Pixels;
+
+    use super::*;
+
+    #[test]
+    fn pictures_that_are_saved_hold_up_nothing_and_are_few_at_a_time() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.pbrt");
+        std::fs::write(&path, "WorldBegin\nShape \"sphere\"\n").unwrap();
+        let scene = Arc::new(ViewerScene::read(&path, &Options::default(), None).unwrap());
+        let runtime = tokio::runtime::Builder::new_current_thread().build().unwrap();
+        runtime.block_on(async {
+            let mut service = PageService::new(ServiceContext::new(IntegratorName::Path, 1, None));
+            let refusal = |id, reason: &str| Some(failed(id, reason.to_owned()));
+            let reply = service.serve(PageRequest::Save { id: 1 }, &scene).await;
+            assert_eq!(reply, refusal(1, "there is no picture yet"));
+            service.picture.set(Arc::new(Pixels::try_from_rgb(1, 1, &[[0.5; 3]]).unwrap()), 1);
+            // While no worker is free nothing is written, and requests are answered all the same.
+            let workers = Arc::clone(&service.workers).acquire_many_owned(MOST_WORKERS as u32).await;
+            for id in 0..MOST_SAVES as u32 {
+                assert_eq!(service.serve(PageRequest::Save { id }, &scene).await, None);
+            }
+            let reply = service.serve(PageRequest::Save { id: 9 }, &scene).await;
+            assert_eq!(reply, refusal(9, "4 pictures are being saved; wait for one of them"));
+            let reply = service.serve(PageRequest::Stop { id: 10 }, &scene).await;
+            assert_eq!(reply, Some(text(&ServerMessage::Stopped { id: 10 })));
+            drop(workers);
+            for _ in 0..MOST_SAVES {
+                assert!(matches!(service.next().await, Message::Binary(_)));
+            }
+            assert_eq!(service.serve(PageRequest::Save { id: 11 }, &scene).await, None);
+        });
+    }
 }

@@ -51,13 +51,17 @@ pub(super) fn computed(
 ) -> Result<LightState, Error> {
     let state = start(&identity, elements, part, input, job)?;
     let (cancel, path) = (job.options.cancel.clone(), job.options.checkpoint.clone());
-    let write = |path: &Path, state: &BakeState| light_file::write_state(path, &identity, state);
+    let write = |path: &Path, state: &BakeState| {
+        elements.scene.check_textures()?;
+        light_file::write_state(path, &identity, state)
+    };
     let mut sink = JobSink::new(job, path.clone(), write);
     let state = match bake_part(state, elements, settings, part, &mut sink, &cancel) {
         Ok(state) => state,
         Err(BakeError::Interrupted(interrupted)) => return sink.written.and(Err(interrupted.into())),
         Err(error) => return Err(Error::Bake(error)),
     };
+    elements.scene.check_textures()?;
     let light = LightState { identity, state, warnings: std::mem::take(&mut job.warnings) };
     path.map_or(Ok(()), |path| light.save_checkpoint(path))?;
     Ok(light)

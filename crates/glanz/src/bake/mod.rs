@@ -20,7 +20,6 @@ use glanz_radiosity::bake::{
 use glanz_radiosity::elements::{ElementSettings, Elements};
 use glanz_scene::Scene;
 use glanz_shading::Material;
-use glanz_transport::FilmError;
 
 use crate::error::Error;
 use crate::event::{JobEvent, ResumedState, Warning};
@@ -110,7 +109,6 @@ impl<'a> BakeBuilder<'a> {
             };
             Ok((maps, count))
         })?;
-        scene.check_textures().map_err(FilmError::from)?;
         let coarse = maps.iter().filter(|map| map.chart.is_coarse && !map.is_dark()).count();
         if coarse > 0 {
             job.warn(Warning::CoarseCharts { charts: coarse });
@@ -149,9 +147,7 @@ impl BakeBuilder<'_> {
         let scene = resolved(scene, &mut job)?;
         job.in_pool(|job| {
             let elements = started_elements(&scene, &settings, job)?;
-            let computed = light_state::computed(identity, &elements, &settings, part, light_input, job)?;
-            scene.check_textures().map_err(FilmError::from)?;
-            Ok(computed)
+            light_state::computed(identity, &elements, &settings, part, light_input, job)
         })
     }
 }
@@ -243,11 +239,14 @@ pub(crate) fn baked_maps(
     let kept = identity.zip(job.options.checkpoint.clone());
     let (cancel, path) = (job.options.cancel.clone(), kept.as_ref().map(|(_, path)| path.clone()));
     let write = |path: &Path, state: &BakeState| {
+        // Light that was reflected by texels which could not be read is not kept.
+        elements.scene.check_textures()?;
         identity.map_or(Ok(()), |identity| light_file::write_state(path, identity, state))
     };
     let mut sink = JobSink::new(job, path, write);
     match resume(state, elements, settings, &mut sink, &cancel) {
         Ok(BakedLight { maps, coarse_elements }) => {
+            elements.scene.check_textures()?;
             if let Some(CoarseElements { count, error, bound }) = coarse_elements {
                 job.warn(Warning::CoarseElements { elements: count, error, bound });
             }

@@ -62,10 +62,14 @@ pub(super) fn combined(
     let (cancel, path) = (job.options.cancel.clone(), job.options.checkpoint.clone());
     let mut settings = design.trace_settings(job);
     settings.goal.time = settings.goal.time.map(|limit| limit.saturating_sub(start.elapsed()));
-    let write = |path: &Path, light: &CombinedLight| combined_file::write(path, &identity, relative, light);
+    let write = |path: &Path, light: &CombinedLight| {
+        scene.check_textures()?;
+        combined_file::write(path, &identity, relative, light)
+    };
     let mut sink = JobSink::new(job, path.clone(), write);
     let outcome = combine(scene, receivers, &division, &settings, light, &mut sink, &cancel)
         .map_err(|error| Error::Threads(error.0))?;
+    scene.check_textures()?;
     if let Some(path) = &path {
         combined_file::write(path, &identity, relative, &outcome.light)?;
     }

@@ -13,7 +13,6 @@ use glanz_job::{ContentHash, JobEnd};
 use glanz_scene::Scene;
 use glanz_scene::description::ObserverDescription;
 use glanz_scene::light::Light;
-use glanz_transport::FilmError;
 
 use super::facts::CalculationFacts;
 use super::outcome::compare_methods;
@@ -150,7 +149,7 @@ impl Design {
             facts.result.push("interrupted", "interrupted", true);
         }
         outcome.report.facts = facts.finish(start.elapsed(), job.threads());
-        self.scene.check_textures().map_err(FilmError::from)?;
+        self.scene.check_textures()?;
         Ok(outcome)
     }
 

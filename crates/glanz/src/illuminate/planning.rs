@@ -32,6 +32,7 @@ pub(super) fn rate(
         };
         Ok(request.rate(&design.scene, &outcome.report.maps, settings, &mut on_progress, &cancel))
     })?;
+    design.scene.check_textures()?;
     match rated {
         Ok(report) => {
             if let Some(reason) = &report.glare_refusal {

@@ -115,6 +115,7 @@ fn write(
         if end == JobEnd::Interrupted {
             return Err(io::ErrorKind::Interrupted.into());
         }
+        design.scene.check_textures().map_err(io::Error::other)?;
         let (count, lumens) = rays.finish()?;
         written = Some((count, lumens));
         if count == 0 { Err(io::ErrorKind::InvalidData.into()) } else { Ok(()) }

@@ -52,10 +52,14 @@ pub(super) fn traced(
         None => Tally::new(receivers, far_field_grid(design, &settings, job)?),
     };
     let (cancel, path) = (job.options.cancel.clone(), job.options.checkpoint.clone());
-    let write = |path: &Path, tally: &Tally| tally_file::write(path, &identity, plan, tally);
+    let write = |path: &Path, tally: &Tally| {
+        scene.check_textures()?;
+        tally_file::write(path, &identity, plan, tally)
+    };
     let mut sink = JobSink::new(job, path.clone(), write);
     let outcome = trace(scene, receivers, &settings, tally, &mut sink, &cancel)
         .map_err(|error| Error::Threads(error.0))?;
+    scene.check_textures()?;
     if let Some(path) = &path {
         tally_file::write(path, &identity, plan, &outcome.tally)?;
     }

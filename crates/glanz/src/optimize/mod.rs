@@ -89,6 +89,7 @@ impl<'a> OptimizeBuilder<'a> {
 
 fn optimize_error(scene: &LoadedScene, error: OptimizeError) -> Error {
     match error {
+        OptimizeError::Textures(error) => error.into(),
         OptimizeError::NoLight => Error::NoLight { scene: scene.name().to_owned() },
         error => Error::Optimize { scene: scene.name().to_owned(), error: Box::new(error) },
     }

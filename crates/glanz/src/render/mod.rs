@@ -302,7 +302,8 @@ mod tests {
 
     #[test]
     fn checkpoint_of_another_integrator_is_refused_before_its_sums_are_read() {
-        let path = std::env::temp_dir().join(format!("glanz-other-integrator-{}", std::process::id()));
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("state");
         let description = SceneBuilder::new().resolution(2, 2).describe().unwrap();
         let scene = LoadedScene::from_description("empty", description);
         // The sums of one that learns cannot be in a file.
@@ -313,8 +314,7 @@ mod tests {
             film_memory: Some(0),
             ..RenderOptions::default()
         };
-        let refused = scene.render().options(options).checkpoint(path.clone()).resume(true).run();
-        std::fs::remove_file(&path).unwrap();
+        let refused = scene.render().options(options).checkpoint(path).resume(true).run();
         assert!(matches!(refused, Err(Error::File { fault: FileFault::Identity(_), .. })));
     }
 }

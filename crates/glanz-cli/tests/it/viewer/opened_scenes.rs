@@ -39,7 +39,7 @@ fn open_ball(served: &ViewServer, page: &mut Visitor) -> u32 {
 
 #[test]
 fn abandoned_uploads_leave_nothing_behind() {
-    let temporary = TemporaryFolder::new("abandoned");
+    let temporary = TemporaryFolder::new();
     let served = temporary.serve();
     let upload = |page: &Visitor| {
         let mut stream = TcpStream::connect(&served.host).unwrap();
@@ -85,7 +85,7 @@ fn abandoned_uploads_leave_nothing_behind() {
 
 #[test]
 fn process_of_an_opened_scene_is_confined() {
-    let temporary = TemporaryFolder::new("confined");
+    let temporary = TemporaryFolder::new();
     let served = temporary.serve();
     let mut page = Visitor::try_new(&served.host).unwrap();
     let process = open_ball(&served, &mut page);
@@ -105,7 +105,7 @@ fn process_of_an_opened_scene_is_confined() {
 
 #[test]
 fn page_is_told_that_the_process_of_its_scene_was_killed() {
-    let temporary = TemporaryFolder::new("killed");
+    let temporary = TemporaryFolder::new();
     let mut served = temporary.serve();
     let [mut page, mut other] = [(); 2].map(|()| Visitor::try_new(&served.host).unwrap());
     let processes = [&mut page, &mut other].map(|page| open_ball(&served, page));
@@ -132,7 +132,7 @@ fn page_is_told_that_the_process_of_its_scene_was_killed() {
 
 #[test]
 fn processes_end_with_the_server_and_the_next_one_removes_their_files() {
-    let temporary = TemporaryFolder::new("server");
+    let temporary = TemporaryFolder::new();
     let served = temporary.serve();
     let mut page = Visitor::try_new(&served.host).unwrap();
     let process = open_ball(&served, &mut page);

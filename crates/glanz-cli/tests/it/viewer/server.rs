@@ -7,6 +7,8 @@ use std::process::{Child, Command, Stdio};
 use std::sync::{Arc, Mutex, PoisonError, mpsc};
 use std::time::Duration;
 
+use tempfile::TempDir;
+
 use super::upload::ANY_FILES;
 
 /// Time limit until a scene is served; debug builds run in parallel with other tests.
@@ -94,35 +96,22 @@ impl Drop for ViewServer {
 }
 
 /// A folder for temporary files, removed with its content when it is dropped.
-pub(crate) struct TemporaryFolder(PathBuf);
+pub(crate) struct TemporaryFolder(TempDir);
 
 impl TemporaryFolder {
-    /// `name`: that of the test.
-    pub(crate) fn new(name: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("glanz-test-{name}-{}", std::process::id()));
-        std::fs::create_dir(&path).expect("a folder for temporary files");
-        Self(path)
+    pub(crate) fn new() -> Self {
+        Self(tempfile::tempdir().expect("a folder for temporary files"))
     }
 
     /// Serves a scene, with temporary files in this folder.
     pub(crate) fn serve(&self) -> ViewServer {
         let arguments = ANY_FILES.map(OsStr::new);
-        ViewServer::start_with_arguments(
-            &scene_file("teapot.pbrt"),
-            &arguments,
-            &[("TMPDIR", self.0.as_path())],
-        )
+        ViewServer::start_with_arguments(&scene_file("teapot.pbrt"), &arguments, &[("TMPDIR", self.0.path())])
     }
 
     /// Number of files and folders in it.
     pub(crate) fn entries(&self) -> usize {
-        std::fs::read_dir(&self.0).expect("the folder").count()
-    }
-}
-
-impl Drop for TemporaryFolder {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
+        std::fs::read_dir(self.0.path()).expect("the folder").count()
     }
 }
 

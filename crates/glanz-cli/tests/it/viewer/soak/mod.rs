@@ -118,7 +118,7 @@ fn setting(name: &str, otherwise: u64) -> u64 {
 fn pages_that_come_and_go_leave_nothing_behind() {
     let (pages, seconds) = (setting("GLANZ_SOAK_PAGES", 4), setting("GLANZ_SOAK_SECONDS", 6));
     let uploads = setting("GLANZ_SOAK_UPLOADS", hostile_uploads::ALL.len() as u64);
-    let folder = TemporaryFolder::new("soak");
+    let folder = TemporaryFolder::new();
     let mut served = folder.serve();
     // One visit, so that everything allocated once is allocated.
     let mut warm = Tally::default();
