@@ -213,7 +213,7 @@ fn for_each_at_a_time<T: Sync>(
         }
     };
     std::thread::scope(|scope| {
-        let threads: Vec<_> = (0..slots).map(|_| scope.spawn(&run)).collect();
+        let threads: Vec<_> = (0..slots).map(|_| scope.spawn(run)).collect();
         for thread in threads {
             thread.join().unwrap_or_else(|_| add("a thread panicked".to_owned()));
         }
