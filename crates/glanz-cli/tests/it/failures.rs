@@ -353,18 +353,23 @@ const FEW_KILLS: u64 = 1;
 /// Most runs that end before the first checkpoint.
 const MOST_EARLY_ENDS: u64 = 5;
 
-/// Kills each command at random moments of a run of `seconds`, so many times; few kills come when the first checkpoint is there.
+/// Kills each command at random moments of a run of about `seconds`, so many times; few kills come when the first checkpoint is there.
 fn kill_at_random(writer: &LongWriter, inputs: &Content, kills: u64, seconds: f64) {
     let folder = Folder::new();
-    restore(&folder, inputs);
-    let line = |count: u64| format!("{} --threads 1 -q", writer.line.replace('N', &count.to_string()));
-    let start = Instant::now();
-    assert_eq!(run(&folder, &line(writer.least)).code, Some(0), "{}", writer.line);
-    let count = (writer.least as f64 * seconds / start.elapsed().as_secs_f64()).max(1.0) as u64;
-    restore(&folder, inputs);
-    let (line, start) = (line(count), Instant::now());
-    assert_eq!(run(&folder, &line).code, Some(0), "{line}");
-    let (whole, duration) = (folder.content(), start.elapsed());
+    let mut count = writer.least;
+    let (line, whole, duration) = loop {
+        restore(&folder, inputs);
+        let line = format!("{} --threads 1 -q", writer.line.replace('N', &count.to_string()));
+        let start = Instant::now();
+        assert_eq!(run(&folder, &line).code, Some(0), "{line}");
+        let duration = start.elapsed();
+        // A part of the time is the same for every number.
+        let factor = seconds / duration.as_secs_f64();
+        if factor <= 1.25 {
+            break (line, folder.content(), duration);
+        }
+        count = (count as f64 * factor.min(8.0)).ceil() as u64;
+    };
     // Nothing of the whole run, or else a missing file would not be noticed.
     restore(&folder, inputs);
     let (mut done, mut ends, mut resumable, mut seed) = (0, 0, 0, 1_u64);
