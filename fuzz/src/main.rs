@@ -264,8 +264,10 @@ fn mutants(
         if !report.slowest.is_empty() {
             write(&kept_path(&keep, target.name, "slowest"), &report.slowest)?;
         }
-        // Of processes that a signal ended, only the numbers of cases are known.
-        let is_blunt = !cancel.is_cancelled() && (figures.read == 0 || figures.read == figures.cases);
+        // Of processes that a signal or an error ended, only the numbers of cases are known.
+        let is_blunt = !cancel.is_cancelled()
+            && errors.is_empty()
+            && (figures.read == 0 || figures.read == figures.cases);
         if figures.cases >= 1000 && report.faults.is_empty() && is_blunt {
             print_line(&format!(
                 "  fault: {} of {} mutants are read, which tests little",

@@ -360,7 +360,11 @@ fn follow(
     }
     let (number, bytes) = match (case, reason) {
         (Some(case), None) => case,
-        (Some(_), Some(reason)) => return Err(io::Error::other(reason)),
+        (Some((number, _)), Some(reason)) => {
+            count(number);
+            report.figures.cases += number;
+            return Err(io::Error::other(reason));
+        }
         (None, Some(reason)) => return Err(io::Error::other(format!("no case began: {reason}"))),
         (None, None) if is_hanging => {
             return Err(io::Error::other(format!("no case began within {} s", START.as_secs())));

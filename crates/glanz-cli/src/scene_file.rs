@@ -42,11 +42,18 @@ fn load(path: &Path, options: Options, messages: Messages) -> Result<LoadedScene
     }
     let start = Instant::now();
     let bytes = read_standard_input(&options, start, messages)?;
-    // The limit is one of both together.
-    let time = options.limits.time.saturating_sub(start.elapsed());
-    let limits = ResourceLimits { time, ..options.limits };
-    let options = Options { folder: Some(PathBuf::from(".")), limits, ..options };
-    print_diagnostics(glanz::open_bytes(INPUT_NAME, bytes, &options), messages)
+    // The limit of time is one of the input and of reading it together; what follows has its own.
+    let (limits, cancel) = (options.limits.clone(), options.cancel.clone());
+    let time = limits.time.saturating_sub(start.elapsed());
+    let rest = ResourceLimits { time, ..limits.clone() };
+    let options = Options { folder: Some(PathBuf::from(".")), limits: rest, ..options };
+    let whole = LimitError { resource: Resource::Time, limit: limits.get(Resource::Time), needed: None };
+    let opened = glanz::open_bytes(INPUT_NAME, bytes, &options);
+    let opened = opened.map(|scene| scene.limits(limits, cancel)).map_err(|error| match &error {
+        Error::Scene(diagnostics) if is_end_of_time(diagnostics) => beyond_limit(whole),
+        _ => error,
+    });
+    print_diagnostics(opened, messages)
 }
 
 /// The bytes of the standard input, at most as many as the limits of files and of memory allow, if they come within the limit of time after `start`.
@@ -90,6 +97,10 @@ fn read_standard_input(
         return Err(command_error(messages)(beyond_limit(LimitError { resource, limit, needed: None })));
     }
     Ok(bytes)
+}
+
+fn is_end_of_time(diagnostics: &Diagnostics) -> bool {
+    matches!(diagnostics.end(), Some(BudgetError::Limit(limit)) if limit.resource == Resource::Time)
 }
 
 /// The error of an input beyond a limit.

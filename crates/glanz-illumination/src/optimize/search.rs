@@ -154,7 +154,16 @@ pub fn optimize(
     let (mut iterations, mut evaluations) = (state.iterations, state.evaluations);
     let mut timer = CheckpointTimer::new(sink.checkpoint_interval());
     while !state.is_complete && !cancel.is_cancelled() {
-        let round = search.round(&state, sink)?;
+        let round = match search.round(&state, sink) {
+            Ok(round) => round,
+            Err(error) => {
+                // The rounds before have kept to the limit.
+                if error.budget().is_some() {
+                    sink.on_checkpoint(&state);
+                }
+                return Err(error);
+            }
+        };
         (iterations, evaluations, best) = (round.iterations, round.evaluations, round.best);
         // The round did not see how its displacements move shadows.
         best.merit = search.measured(&best.displacements)?.merit;
@@ -281,16 +290,20 @@ impl Search<'_> {
         let function: Box<MeritFunction<'_>> = if self.by_gradient {
             Box::new(|displacements| self.with_gradient(displacements))
         } else {
-            // What is no scene is worse than all others. What exceeds the resources may be better.
             Box::new(|displacements| {
+                // A merit that is no number ends a step at once.
+                if failure.borrow().is_some() {
+                    return (f64::NAN, Vec::new());
+                }
                 let merit = match self.rebuilt(displacements) {
                     Ok(model) => model.value(&[], false).merit,
-                    Err(error) => {
-                        if error.ends_search() {
-                            failure.borrow_mut().get_or_insert(error);
-                        }
-                        f64::INFINITY
+                    // What exceeds the resources may be better than all others.
+                    Err(error) if error.ends_search() => {
+                        *failure.borrow_mut() = Some(error);
+                        f64::NAN
                     }
+                    // What is no scene is worse.
+                    Err(_) => f64::INFINITY,
                 };
                 (merit, Vec::new())
             })

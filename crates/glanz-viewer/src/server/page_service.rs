@@ -7,15 +7,15 @@ use axum::extract::ws::Message;
 use glanz_formats::image::{self, Format};
 use glanz_light::Tone;
 use glanz_math::{DVec3, Ray};
-use tokio::sync::Semaphore;
+use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 use tokio::task::{JoinSet, spawn_blocking};
 
 use super::message::{PageRequest, ProgressMessage, ServerMessage};
 use super::viewer_scene::ViewerScene;
 use crate::query;
 use crate::stream::{
-    ImageSnapshot, IntegratorName, LatestImage, Outbox, OutboxMessage, Processors, RenderRequest,
-    SharedDenoiser, Stream, StreamContext, StreamStatus, ViewDenoiser, VisibleScene, file,
+    IntegratorName, LatestImage, Outbox, OutboxMessage, Processors, RenderRequest, SharedDenoiser, Stream,
+    StreamContext, StreamStatus, ViewDenoiser, VisibleScene, file,
 };
 
 /// Largest number of queries of a page that are worked on at a time.
@@ -24,8 +24,10 @@ const MOST_WORKERS: usize = 4;
 /// Largest number of queries of a page that are worked on or wait for it.
 const MOST_QUERIES: usize = 64;
 
-/// Largest number of pictures of a page that are saved or wait for it: each keeps its pixels in memory.
+/// Largest number of them that save a picture: those that wait keep pictures of views that the page has left.
 const MOST_SAVES: usize = 4;
+
+const NO_PICTURE: &str = "there is no picture yet";
 
 /// Data that the services of all pages share.
 #[derive(Clone, Debug)]
@@ -50,6 +52,14 @@ impl ServiceContext {
     }
 }
 
+/// Answer to a query.
+#[derive(Debug)]
+struct QueryAnswer {
+    message: Message,
+    /// Held until the answer is taken.
+    _permits: Vec<OwnedSemaphorePermit>,
+}
+
 /// Service of one page: its stream, and its queries.
 #[derive(Debug)]
 pub(crate) struct PageService {
@@ -58,10 +68,12 @@ pub(crate) struct PageService {
     picture: Arc<LatestImage>,
     visible: Arc<VisibleScene>,
     stream: Option<Stream>,
-    /// Answers to come: areas, volumes and files of pictures may take seconds, and nothing else waits for them.
-    answers: JoinSet<Message>,
+    /// Answers to come: areas, volumes and files may take seconds, and nothing else waits for them.
+    answers: JoinSet<QueryAnswer>,
     workers: Arc<Semaphore>,
     saves: Arc<Semaphore>,
+    /// A single permit: one file at a time is written or waits to be sent.
+    save_turn: Arc<Semaphore>,
 }
 
 impl PageService {
@@ -76,6 +88,7 @@ impl PageService {
             answers: JoinSet::new(),
             workers: Arc::new(Semaphore::new(MOST_WORKERS)),
             saves: Arc::new(Semaphore::new(MOST_SAVES)),
+            save_turn: Arc::new(Semaphore::new(1)),
         }
     }
 
@@ -83,7 +96,7 @@ impl PageService {
     pub(crate) async fn next(&mut self) -> Message {
         tokio::select! {
             biased;
-            Some(Ok(answer)) = self.answers.join_next() => answer,
+            Some(Ok(answer)) = self.answers.join_next() => answer.message,
             message = self.outbox.next() => message_of(message),
         }
     }
@@ -98,7 +111,8 @@ impl PageService {
         match request {
             PageRequest::View { id, camera, size, hidden, integrator, denoise } => {
                 self.end_stream().await;
-                self.picture.clear();
+                // Saves that wait are of the view before.
+                self.picture = Arc::default();
                 let integrator = integrator.unwrap_or(self.context.integrator);
                 let request = RenderRequest { id, camera, size, hidden, integrator, denoise };
                 match Stream::start(request, self.stream_context(&viewer_scene)) {
@@ -129,26 +143,14 @@ impl PageService {
                 self.spawn_query(id, move || {
                     let ViewerScene { scene, model, .. } = &*viewer_scene;
                     let hit = query::pick(scene, model, &ray, &filter);
-                    text(&ServerMessage::Hit { id, hit: hit.map(Box::new) })
+                    ServerMessage::Hit { id, hit: hit.map(Box::new) }
                 })
             }
             PageRequest::Measure { id, leaves } => self.spawn_query(id, move || {
                 let measures = viewer_scene.model.measures_of(&leaves);
-                text(&ServerMessage::Measures { id, measures })
+                ServerMessage::Measures { id, measures }
             }),
-            PageRequest::Save { id } => {
-                let Some(shot) = self.picture.get() else {
-                    return Some(failed(id, "there is no picture yet".to_owned()));
-                };
-                let Ok(permit) = Arc::clone(&self.saves).try_acquire_owned() else {
-                    let message = format!("{MOST_SAVES} pictures are being saved; wait for one of them");
-                    return Some(failed(id, message));
-                };
-                self.spawn_query(id, move || {
-                    let _permit = permit;
-                    saved(id, shot)
-                })
-            }
+            PageRequest::Save { id } => self.spawn_save(id),
         }
     }
 
@@ -171,12 +173,45 @@ impl PageService {
     }
 
     /// Lets a blocking thread find an answer; other requests are served meanwhile.
-    fn spawn_query(&mut self, id: u32, query: impl FnOnce() -> Message + Send + 'static) -> Option<Message> {
+    fn spawn_query(
+        &mut self,
+        id: u32,
+        query: impl FnOnce() -> ServerMessage + Send + 'static,
+    ) -> Option<Message> {
+        let message = answer(id, Arc::clone(&self.workers), move || text(&query()));
+        self.spawn_answer(id, async move { QueryAnswer { message: message.await, _permits: Vec::new() } })
+    }
+
+    /// Lets a blocking thread write the picture of the current view once it is its turn.
+    fn spawn_save(&mut self, id: u32) -> Option<Message> {
+        if self.picture.get().is_none() {
+            return Some(failed(id, NO_PICTURE.to_owned()));
+        }
+        let Ok(permit) = Arc::clone(&self.saves).try_acquire_owned() else {
+            let message = format!("{MOST_SAVES} pictures are being saved; wait for one of them");
+            return Some(failed(id, message));
+        };
+        let (turn, workers) = (Arc::clone(&self.save_turn), Arc::clone(&self.workers));
+        let picture = Arc::clone(&self.picture);
+        self.spawn_answer(id, async move {
+            // Nothing closes the semaphore.
+            let turn = turn.acquire_owned().await.ok();
+            let message = answer(id, workers, move || written(id, &picture)).await;
+            QueryAnswer { message, _permits: turn.into_iter().chain([permit]).collect() }
+        })
+    }
+
+    /// Starts a task that answers a query, unless too many are open.
+    fn spawn_answer(
+        &mut self,
+        id: u32,
+        answer: impl Future<Output = QueryAnswer> + Send + 'static,
+    ) -> Option<Message> {
         if self.answers.len() >= MOST_QUERIES {
             let message = format!("{MOST_QUERIES} queries are open; wait for one of their answers");
             return Some(failed(id, message));
         }
-        self.answers.spawn(answer(id, Arc::clone(&self.workers), query));
+        self.answers.spawn(answer);
         None
     }
 
@@ -229,14 +264,12 @@ async fn answer(
 ) -> Message {
     // Nothing closes the semaphore.
     let _permit = workers.acquire().await;
-    match spawn_blocking(query).await {
-        Ok(answer) => answer,
-        Err(error) => failed(id, error.to_string()),
-    }
+    spawn_blocking(query).await.unwrap_or_else(|error| failed(id, error.to_string()))
 }
 
-/// A picture as OpenEXR, as it is sent.
-fn saved(id: u32, shot: ImageSnapshot) -> Message {
+/// The picture so far as OpenEXR, as it is sent.
+fn written(id: u32, picture: &LatestImage) -> Message {
+    let Some(shot) = picture.get() else { return failed(id, NO_PICTURE.to_owned()) };
     let mut attributes = BTreeMap::from([("samplesPerPixel".to_owned(), shot.samples.to_string())]);
     if shot.is_denoised {
         attributes.insert("denoised".to_owned(), "true".to_owned());
@@ -264,38 +297,72 @@ fn message_of(message: OutboxMessage) -> Message {
 
 #[cfg(test)]
 mod tests {
+    use std::pin::pin;
+    use std::task::{Context, Poll, Waker};
+
     use glanz_formats::Options;
     use glanz_light::Pixels;
 
     use super::*;
 
+    const VIEW: &str = r#"{"type":"view","id":99,"camera":{"kind":"perspective","position":[0,0,5],"right":[1,0,0],"up":[0,1,0],"forward":[0,0,-1],"fieldOfView":1,"height":1,"distance":5},"size":[4,3],"integrator":"path"}"#;
+
+    /// The reply to a request whose service must not wait for anything.
+    fn reply(service: &mut PageService, request: &str, scene: &Arc<ViewerScene>) -> Option<Message> {
+        let request = PageRequest::parse(request).unwrap();
+        match pin!(service.serve(request, scene)).poll(&mut Context::from_waker(Waker::noop())) {
+            Poll::Ready(reply) => reply,
+            Poll::Pending => panic!("the service waits"),
+        }
+    }
+
+    fn ball() -> Arc<ViewerScene> {
+        let folder = tempfile::TempDir::new().unwrap();
+        let path = folder.path().join("ball.pbrt");
+        let text = "Camera \"perspective\"\nWorldBegin\nLightSource \"infinite\"\nShape \"sphere\"\n";
+        std::fs::write(&path, text).unwrap();
+        Arc::new(ViewerScene::read(&path, &Options::default(), None).unwrap_or_else(|d| panic!("{d}")))
+    }
+
     #[test]
-    fn pictures_that_are_saved_hold_up_nothing_and_are_few_at_a_time() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("a.pbrt");
-        std::fs::write(&path, "WorldBegin\nShape \"sphere\"\n").unwrap();
-        let scene = Arc::new(ViewerScene::read(&path, &Options::default(), None).unwrap());
-        let runtime = tokio::runtime::Builder::new_current_thread().build().unwrap();
+    fn view_does_not_wait_for_saves_of_the_view_before() {
+        let scene = ball();
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
         runtime.block_on(async {
             let mut service = PageService::new(ServiceContext::new(IntegratorName::Path, 1, None));
-            let refusal = |id, reason: &str| Some(failed(id, reason.to_owned()));
-            let reply = service.serve(PageRequest::Save { id: 1 }, &scene).await;
-            assert_eq!(reply, refusal(1, "there is no picture yet"));
-            service.picture.set(Arc::new(Pixels::try_from_rgb(1, 1, &[[0.5; 3]]).unwrap()), 1);
-            // While no worker is free nothing is written, and requests are answered all the same.
-            let workers = Arc::clone(&service.workers).acquire_many_owned(MOST_WORKERS as u32).await;
-            for id in 0..MOST_SAVES as u32 {
-                assert_eq!(service.serve(PageRequest::Save { id }, &scene).await, None);
+            let pixels = Pixels::try_from_rgb(2, 1, &[[0.5; 3]; 2]).unwrap();
+            service.picture.set(Arc::new(pixels), 7);
+            for id in 0..MOST_SAVES {
+                let save = format!(r#"{{"type":"save","id":{id}}}"#);
+                assert_eq!(reply(&mut service, &save, &scene), None);
             }
-            let reply = service.serve(PageRequest::Save { id: 9 }, &scene).await;
-            assert_eq!(reply, refusal(9, "4 pictures are being saved; wait for one of them"));
-            let reply = service.serve(PageRequest::Stop { id: 10 }, &scene).await;
-            assert_eq!(reply, Some(text(&ServerMessage::Stopped { id: 10 })));
-            drop(workers);
-            for _ in 0..MOST_SAVES {
-                assert!(matches!(service.next().await, Message::Binary(_)));
+            let refused = reply(&mut service, r#"{"type":"save","id":50}"#, &scene);
+            let sentence = format!("{MOST_SAVES} pictures are being saved; wait for one of them");
+            assert_eq!(refused, Some(failed(50, sentence)));
+            assert_eq!(reply(&mut service, VIEW, &scene), None);
+            // The new view has no picture, but those that wait keep theirs.
+            let refused = reply(&mut service, r#"{"type":"save","id":51}"#, &scene);
+            assert_eq!(refused, Some(failed(51, NO_PICTURE.to_owned())));
+            let (mut saved, mut tiles) = (Vec::new(), 0);
+            while saved.len() < MOST_SAVES || tiles == 0 {
+                let bytes = match service.next().await {
+                    Message::Binary(bytes) => bytes,
+                    Message::Text(text) if text.as_str().contains("progress") => continue,
+                    other => panic!("{other:?}"),
+                };
+                if bytes[0] == 1 {
+                    tiles += 1;
+                    continue;
+                }
+                let read = image::read(&bytes[8..], None, image::Encoding::Linear).unwrap();
+                assert_eq!((read.pixels.width(), read.pixels.height()), (2, 1));
+                assert_eq!(read.attributes.get("samplesPerPixel").map(String::as_str), Some("7"));
+                saved.push(usize::from(bytes[4]));
             }
-            assert_eq!(service.serve(PageRequest::Save { id: 11 }, &scene).await, None);
+            saved.sort_unstable();
+            assert_eq!(saved, (0..MOST_SAVES).collect::<Vec<_>>());
+            assert_eq!(service.saves.available_permits(), MOST_SAVES);
+            service.end_stream().await;
         });
     }
 }

@@ -4,7 +4,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use glanz_light::Pixels;
 
-/// The newest whole picture of what a page renders, to be saved.
+/// The newest whole picture of a view, to be saved.
 #[derive(Debug, Default)]
 pub struct LatestImage(Mutex<Option<ImageSnapshot>>);
 
@@ -38,9 +38,5 @@ impl LatestImage {
     /// The picture, if there is one already.
     pub(crate) fn get(&self) -> Option<ImageSnapshot> {
         self.shot().clone()
-    }
-
-    pub(crate) fn clear(&self) {
-        *self.shot() = None;
     }
 }

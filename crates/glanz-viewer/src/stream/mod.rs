@@ -26,7 +26,6 @@ mod visible_scene;
 
 pub use camera::{ViewCamera, ViewCameraError, ViewCameraKind};
 pub use denoiser::{SharedDenoiser, ViewDenoiser};
-pub(crate) use latest_image::ImageSnapshot;
 pub use latest_image::LatestImage;
 pub(crate) use outbox::OutboxMessage;
 pub use outbox::{Outbox, StreamStatus};

@@ -1,5 +1,6 @@
 //! Scenes that pages have opened, in processes of their own.
 
+use std::process::Command;
 use std::time::{Duration, Instant};
 
 use glanz_viewer::server::Limits;
@@ -118,6 +119,53 @@ fn an_opened_scene_stops_and_changes_its_view_like_one_of_the_server() {
             .as_f64()
             .is_some_and(|distance| (distance - 39.0).abs() < 1e-9)
     );
+}
+
+#[test]
+fn an_opened_scene_answers_a_view_behind_many_saves() {
+    let server = TestServer::open(BALL);
+    let mut page = server.connect_page();
+    open(&server, &mut page, BALL);
+    page.send(view(1, [256, 256], &[]));
+    page.receive_text("progress");
+    // More than wait for the process: a part of its queue is left to views.
+    let saves = 100..400_u32;
+    saves.clone().for_each(|id| page.send(json!({ "type": "save", "id": id })));
+    page.send(view(2, [16, 8], &[]));
+    let (mut answered, mut is_drawn) = (Vec::new(), false);
+    while answered.len() < saves.len() || !is_drawn {
+        match page.receive() {
+            ReceivedMessage::File(id, _) => answered.push(id),
+            ReceivedMessage::Text(text) if text["type"] == "failed" => {
+                answered.push(text["id"].as_u64().and_then(|id| u32::try_from(id).ok()).unwrap());
+            }
+            ReceivedMessage::Tile(tile) => is_drawn |= tile.id == 2,
+            ReceivedMessage::Text(_) => {}
+            closed => panic!("{closed:?}"),
+        }
+    }
+    answered.sort_unstable();
+    assert_eq!(answered, saves.collect::<Vec<_>>());
+}
+
+#[test]
+fn program_of_opened_scenes_refuses_wrong_arguments_and_a_start_without_a_task() {
+    let expected = "it must be a whole number, 0 for as many as the machine has";
+    for (arguments, sentence) in [
+        (&["many"][..], format!("the number of threads is \"many\"; {expected}")),
+        (&["-1"], format!("the number of threads is \"-1\"; {expected}")),
+        (&[""], format!("the number of threads is \"\"; {expected}")),
+        (&["2", "3"], "the argument \"3\" is one too many".to_owned()),
+        (&["2"], "there is no task".to_owned()),
+        (&[], "there is no task".to_owned()),
+    ] {
+        let mut program = Command::new(env!("CARGO_BIN_EXE_glanz-viewer-worker"));
+        let output = program.args(arguments).env_remove("GLANZ_WORKER_FOLDER").output().unwrap();
+        let errors = String::from_utf8_lossy(&output.stderr);
+        let begin = "error: the process of an opened scene cannot begin: ";
+        assert_eq!(output.status.code(), Some(1), "{arguments:?}");
+        assert!(errors.starts_with(&format!("{begin}{sentence}")), "{arguments:?}: {errors}");
+    }
 }
 
 #[test]

@@ -105,7 +105,7 @@ fn write(
     let date = facts::date_now().unwrap_or_default();
     let cancel = job.options.cancel.clone();
     let mut sink = JobSink::new(job, None, |_: &Path, (): &()| Ok(()));
-    let (mut end, mut written) = (JobEnd::Complete, None);
+    let (mut end, mut written, mut textures) = (JobEnd::Complete, None, Ok(()));
     let replaced = file::write_file_with(path, |file| {
         let mut rays = RayWriter::new(file, &descriptions, &date)?;
         end = escaped_rays(&design.scene, &settings, particles, &mut sink, &cancel, |ray| {
@@ -115,11 +115,15 @@ fn write(
         if end == JobEnd::Interrupted {
             return Err(io::ErrorKind::Interrupted.into());
         }
-        design.scene.check_textures().map_err(io::Error::other)?;
+        textures = design.scene.check_textures();
+        if textures.is_err() {
+            return Err(io::ErrorKind::InvalidData.into());
+        }
         let (count, lumens) = rays.finish()?;
         written = Some((count, lumens));
         if count == 0 { Err(io::ErrorKind::InvalidData.into()) } else { Ok(()) }
     });
+    textures?;
     match written {
         _ if end == JobEnd::Interrupted => return Ok(None),
         Some((0, _)) => job.warn(Warning::NoRays),

@@ -53,8 +53,8 @@ impl<'a> OptimizeBuilder<'a> {
     /// Moves the free numbers. A cancelled job returns the best ones so far.
     ///
     /// # Errors
-    /// [`Error::Scene`] for a description that is not a scene, [`Error::Optimize`] for one without a design or with parts that are not supported, [`Error::File`] for a checkpoint that
-    /// cannot be read or written.
+    /// [`Error::Scene`] for a description that is not a scene, [`Error::Optimize`] for one without a design or with parts that are not supported, or if a displaced scene reaches a limit,
+    /// [`Error::Film`] for pictures in a temporary file that cannot be read, [`Error::File`] for a checkpoint that cannot be read or written.
     pub fn run(self) -> Result<OptimizedScene, Error> {
         let Self { scene, settings, job } = self;
         scene.check_scene("optimize")?;

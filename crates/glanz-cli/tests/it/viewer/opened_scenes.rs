@@ -7,7 +7,7 @@ use std::path::Path;
 use std::process::Command;
 use std::time::Duration;
 
-use super::server::{TemporaryFolder, ViewServer};
+use super::server::{ViewServer, entries, serve_in, temporary_folder};
 use super::soak::process::{Usage, children};
 use super::soak::visitor::Visitor;
 use super::upload::{BALL, endless_includes, open, request, text_file};
@@ -39,8 +39,8 @@ fn open_ball(served: &ViewServer, page: &mut Visitor) -> u32 {
 
 #[test]
 fn abandoned_uploads_leave_nothing_behind() {
-    let temporary = TemporaryFolder::new();
-    let served = temporary.serve();
+    let temporary = temporary_folder();
+    let served = serve_in(&temporary);
     let upload = |page: &Visitor| {
         let mut stream = TcpStream::connect(&served.host).unwrap();
         stream.write_all(&request(&served.host, &page.session, &endless_includes())).unwrap();
@@ -74,7 +74,7 @@ fn abandoned_uploads_leave_nothing_behind() {
     }
     four();
     four();
-    until("an empty folder", || temporary.entries() == 0);
+    until("an empty folder", || entries(&temporary) == 0);
     let after = Usage::settled(served.id(), before, PATIENCE).unwrap();
     println!("before: {before}; after 14 abandoned uploads: {after}");
     assert!(after.threads <= before.threads && after.files <= before.files, "{before} {after}");
@@ -85,8 +85,8 @@ fn abandoned_uploads_leave_nothing_behind() {
 
 #[test]
 fn process_of_an_opened_scene_is_confined() {
-    let temporary = TemporaryFolder::new();
-    let served = temporary.serve();
+    let temporary = temporary_folder();
+    let served = serve_in(&temporary);
     let mut page = Visitor::try_new(&served.host).unwrap();
     let process = open_ball(&served, &mut page);
     let status = std::fs::read_to_string(format!("/proc/{process}/status")).unwrap();
@@ -105,8 +105,8 @@ fn process_of_an_opened_scene_is_confined() {
 
 #[test]
 fn page_is_told_that_the_process_of_its_scene_was_killed() {
-    let temporary = TemporaryFolder::new();
-    let mut served = temporary.serve();
+    let temporary = temporary_folder();
+    let mut served = serve_in(&temporary);
     let [mut page, mut other] = [(); 2].map(|()| Visitor::try_new(&served.host).unwrap());
     let processes = [&mut page, &mut other].map(|page| open_ball(&served, page));
     page.pick().unwrap();
@@ -116,7 +116,7 @@ fn page_is_told_that_the_process_of_its_scene_was_killed() {
     let sentence = "the program that reads the scene stopped unexpectedly; open the file again";
     assert_eq!((scene["name"].as_str(), scene["error"].as_str()), (Some("ball.pbrt"), Some(sentence)));
     // Nothing of it is left, and requests fail with the sentence.
-    assert_eq!((children(served.id()), temporary.entries()), (vec![processes[1]], 1));
+    assert_eq!((children(served.id()), entries(&temporary)), (vec![processes[1]], 1));
     assert!(page.pick().unwrap_err().contains(sentence));
     other.pick().unwrap();
     assert!(served.is_alive());
@@ -127,13 +127,13 @@ fn page_is_told_that_the_process_of_its_scene_was_killed() {
     assert!(Command::new("kill").args(["-STOP", &again.to_string()]).status().unwrap().success());
     drop((page, other));
     until("the end of all processes", || children(served.id()).is_empty());
-    until("an empty folder", || temporary.entries() == 0);
+    until("an empty folder", || entries(&temporary) == 0);
 }
 
 #[test]
 fn processes_end_with_the_server_and_the_next_one_removes_their_files() {
-    let temporary = TemporaryFolder::new();
-    let served = temporary.serve();
+    let temporary = temporary_folder();
+    let served = serve_in(&temporary);
     let mut page = Visitor::try_new(&served.host).unwrap();
     let process = open_ball(&served, &mut page);
     let reading = Visitor::try_new(&served.host).unwrap();
@@ -145,14 +145,14 @@ fn processes_end_with_the_server_and_the_next_one_removes_their_files() {
     kill(served.id());
     let is_there = |process: &u32| Path::new(&format!("/proc/{process}/exe")).exists();
     until("the end of all processes", || !processes.iter().any(is_there));
-    assert_eq!(temporary.entries(), 2);
+    assert_eq!(entries(&temporary), 2);
     drop(served);
-    let next = temporary.serve();
-    assert_eq!(temporary.entries(), 0);
+    let next = serve_in(&temporary);
+    assert_eq!(entries(&temporary), 0);
     // One that ends on request removes them itself.
     let mut page = Visitor::try_new(&next.host).unwrap();
     let process = open_ball(&next, &mut page);
     assert!(Command::new("kill").args(["-INT", &next.id().to_string()]).status().unwrap().success());
     until("the end of all processes", || !is_there(&process));
-    until("an empty folder", || temporary.entries() == 0);
+    until("an empty folder", || entries(&temporary) == 0);
 }

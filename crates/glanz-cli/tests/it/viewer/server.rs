@@ -95,24 +95,20 @@ impl Drop for ViewServer {
     }
 }
 
-/// A folder for temporary files, removed with its content when it is dropped.
-pub(crate) struct TemporaryFolder(TempDir);
+/// A folder for temporary files of a server.
+pub(crate) fn temporary_folder() -> TempDir {
+    TempDir::with_prefix("glanz-test-").expect("a folder for temporary files")
+}
 
-impl TemporaryFolder {
-    pub(crate) fn new() -> Self {
-        Self(tempfile::tempdir().expect("a folder for temporary files"))
-    }
+/// Serves a scene, with temporary files in this folder.
+pub(crate) fn serve_in(folder: &TempDir) -> ViewServer {
+    let arguments = ANY_FILES.map(OsStr::new);
+    ViewServer::start_with_arguments(&scene_file("teapot.pbrt"), &arguments, &[("TMPDIR", folder.path())])
+}
 
-    /// Serves a scene, with temporary files in this folder.
-    pub(crate) fn serve(&self) -> ViewServer {
-        let arguments = ANY_FILES.map(OsStr::new);
-        ViewServer::start_with_arguments(&scene_file("teapot.pbrt"), &arguments, &[("TMPDIR", self.0.path())])
-    }
-
-    /// Number of files and folders in it.
-    pub(crate) fn entries(&self) -> usize {
-        std::fs::read_dir(self.0.path()).expect("the folder").count()
-    }
+/// Number of files and folders in a folder.
+pub(crate) fn entries(folder: &TempDir) -> usize {
+    std::fs::read_dir(folder.path()).expect("the folder").count()
 }
 
 /// Stores the output and sends the host of the first address in it.

@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-use crate::viewer::server::TemporaryFolder;
+use crate::viewer::server::{entries, serve_in, temporary_folder};
 use process::Usage;
 use visitor::{Fault, Visitor};
 
@@ -118,8 +118,8 @@ fn setting(name: &str, otherwise: u64) -> u64 {
 fn pages_that_come_and_go_leave_nothing_behind() {
     let (pages, seconds) = (setting("GLANZ_SOAK_PAGES", 4), setting("GLANZ_SOAK_SECONDS", 6));
     let uploads = setting("GLANZ_SOAK_UPLOADS", hostile_uploads::ALL.len() as u64);
-    let folder = TemporaryFolder::new();
-    let mut served = folder.serve();
+    let folder = temporary_folder();
+    let mut served = serve_in(&folder);
     // One visit, so that everything allocated once is allocated.
     let mut warm = Tally::default();
     visit(&served.host, &mut Dice(0), &mut warm).unwrap_or_else(|fault| panic!("{fault}\n{}", served.said()));
@@ -135,7 +135,7 @@ fn pages_that_come_and_go_leave_nothing_behind() {
         assert!(faults.is_empty(), "{} faults, first {:?}\n{}", faults.len(), faults.first(), served.said());
         assert!(tally.admitted >= tally.uploads / 2, "{} of {} uploads", tally.admitted, tally.uploads);
         let left = Usage::settled(served.id(), before, PATIENCE).expect("the server runs");
-        let entries = folder.entries();
+        let entries = entries(&folder);
         println!("after round {number}: {left}, {entries} temporary files");
         assert_eq!(entries, 0, "temporary files stay");
         left
@@ -147,7 +147,7 @@ fn pages_that_come_and_go_leave_nothing_behind() {
     assert!(second.memory <= most, "memory grows from {:.1} to {:.1} MiB", first.memory, second.memory);
     visit(&served.host, &mut Dice(1), &mut warm).unwrap_or_else(|fault| panic!("{fault}\n{}", served.said()));
     drop(served);
-    assert_eq!(folder.entries(), 0, "temporary files stay");
+    assert_eq!(entries(&folder), 0, "temporary files stay");
 }
 
 /// Runs `pages` simultaneous clients that connect and disconnect for some time, and until the hostile uploads up to a number are done.
