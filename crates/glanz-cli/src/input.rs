@@ -29,6 +29,6 @@ pub(crate) fn with_limit_help(error: CommandError, end: BudgetError) -> CommandE
     match end {
         BudgetError::Limit(limit) => error.with_help(limit_help(limit)),
         BudgetError::Interrupted => CommandError::interrupted("interrupted; nothing was written"),
-        BudgetError::TemporaryFile(_) => error.with_help(end.help().unwrap_or_default()),
+        BudgetError::TemporaryFile { .. } => error.with_help(end.help().unwrap_or_default()),
     }
 }

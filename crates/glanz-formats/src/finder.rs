@@ -93,7 +93,10 @@ impl FileFinder {
             folder => Self::new(folder),
         };
         finder.budget = budget.clone();
-        finder.textures = TextureCache::new(budget.limits().memory / PICTURE_SHARE);
+        // A process that is confined to the scene's folder can write no file.
+        if !options.confined {
+            finder.textures = TextureCache::new(budget.limits().memory / PICTURE_SHARE);
+        }
         path.into_iter().for_each(|path| finder.add(path.to_owned(), FileKind::Scene, true));
         finder.hash.add_file(bytes);
         Ok(finder)
@@ -118,6 +121,8 @@ impl FileFinder {
     /// # Errors
     /// The problem. If it is that of the budget or of the temporary file, the budget has failed.
     pub(crate) fn picture(&self, pixels: &Pixels) -> Result<MipMap, String> {
+        // Four bytes for each value and a third for the smaller levels, beside the pixels.
+        let made = self.budget.reserve(16 * pixels.len() as u64).map_err(|end| end.to_string())?;
         let before = self.textures.file_size();
         let picture = MipMap::try_new_in(pixels, &self.textures).map_err(|error| {
             if let MipMapError::File(fault) = &error {
@@ -125,6 +130,7 @@ impl FileFinder {
             }
             error.to_string()
         })?;
+        drop(made);
         // The first picture in the file brings the memory of the tiles.
         let tiles = if before == 0 && picture.cache().is_some() { self.textures.tile_memory() } else { 0 };
         let spent = self.budget.spend(Resource::Memory, picture.memory().saturating_add(tiles));

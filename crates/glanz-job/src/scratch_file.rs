@@ -25,6 +25,8 @@ pub struct ScratchFileError {
     pub folder: PathBuf,
     /// Kind of the fault.
     pub kind: io::ErrorKind,
+    /// Number of the fault in the system, if it has one.
+    pub code: Option<i32>,
     /// The fault, as a sentence.
     pub fault: String,
     /// Size of the file, bytes.
@@ -56,7 +58,7 @@ fn check_disk(file: &File) -> io::Result<()> {
     // TMPFS_MAGIC; the type of this number differs between processors.
     let is_in_memory = rustix::fs::fstatfs(file).is_ok_and(|found| found.f_type == 0x0102_1994);
     match env::var_os("TMPDIR") {
-        None if is_in_memory => Err(io::Error::other("the folder is in memory")),
+        None if is_in_memory => Err(io::Error::new(io::ErrorKind::Unsupported, "the folder is in memory")),
         _ => Ok(()),
     }
 }
@@ -186,7 +188,13 @@ impl ScratchFile {
 
 fn error_of(folder: &Path, error: &io::Error, bytes: u64) -> ScratchFileError {
     let fault = IoFault::sentence(error).to_string();
-    ScratchFileError { folder: folder.to_owned(), kind: error.kind(), fault, bytes }
+    ScratchFileError {
+        folder: folder.to_owned(),
+        kind: error.kind(),
+        code: error.raw_os_error(),
+        fault,
+        bytes,
+    }
 }
 
 #[cfg(test)]

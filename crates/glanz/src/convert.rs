@@ -228,7 +228,9 @@ fn materials(loaded: &LoadedScene) -> Result<(Vec<MeshMaterial>, Vec<Warning>), 
             None => MeshMaterial { name, base: [1.0; 3], metallic: 0.0, roughness: 1.0, transmission: 1.0 },
         }
     };
-    Ok((loaded.description().materials.iter().enumerate().map(material).collect(), warnings))
+    let materials = loaded.description().materials.iter().enumerate().map(material).collect();
+    scene.check_textures()?;
+    Ok((materials, warnings))
 }
 
 impl MeshOutcome {

@@ -14,7 +14,7 @@ use std::time::Instant;
 
 pub use limits::{LimitValueError, Resource, ResourceLimits, byte_size};
 
-use crate::{CancelFlag, Interrupted, ScratchFileError};
+use crate::{CancelFlag, Interrupted, IoFault, ScratchFileError};
 
 /// What a job may still use; clones share it.
 ///
@@ -58,7 +58,12 @@ pub enum BudgetError {
     /// The cancel flag was raised.
     Interrupted,
     /// The temporary file of what is above the limit of memory failed.
-    TemporaryFile(io::ErrorKind),
+    TemporaryFile {
+        /// Kind of the fault; [`io::ErrorKind::Unsupported`] if no folder is on a disk.
+        kind: io::ErrorKind,
+        /// Number of the fault in the system, if it has one.
+        code: Option<i32>,
+    },
 }
 
 /// A limit that was reached.
@@ -287,7 +292,14 @@ impl fmt::Display for BudgetError {
         match self {
             Self::Limit(limit) => limit.fmt(f),
             Self::Interrupted => Interrupted.fmt(f),
-            Self::TemporaryFile(kind) => write!(f, "the temporary file of large pictures fails: {kind}"),
+            Self::TemporaryFile { kind, code } => {
+                write!(f, "the temporary file of large pictures fails: ")?;
+                match code {
+                    Some(code) => IoFault::sentence(&io::Error::from_raw_os_error(*code)).fmt(f),
+                    None if *kind == io::ErrorKind::Unsupported => write!(f, "its folder is in memory"),
+                    None => write!(f, "{kind}"),
+                }
+            }
         }
     }
 }
@@ -301,7 +313,7 @@ impl BudgetError {
         match self {
             Self::Limit(_) => "limit",
             Self::Interrupted => "interrupted",
-            Self::TemporaryFile(_) => "temporary-file",
+            Self::TemporaryFile { .. } => "temporary-file",
         }
     }
 
@@ -311,7 +323,7 @@ impl BudgetError {
         match self {
             Self::Limit(limit) => Some(limit.help()),
             Self::Interrupted => None,
-            Self::TemporaryFile(_) => Some(
+            Self::TemporaryFile { .. } => Some(
                 "set TMPDIR to a folder with more room, or allow more memory, of which pictures take half"
                     .to_owned(),
             ),
@@ -321,6 +333,6 @@ impl BudgetError {
 
 impl From<ScratchFileError> for BudgetError {
     fn from(error: ScratchFileError) -> Self {
-        Self::TemporaryFile(error.kind)
+        Self::TemporaryFile { kind: error.kind, code: error.code }
     }
 }

@@ -216,11 +216,11 @@ mod tests {
 
     const MAPPINGS: [SphereMapping; 2] = [SphereMapping::LatitudeLongitude, SphereMapping::EqualArea];
 
-    /// A picture of the directions themselves, moved into [0, 2].
     fn image(pixels: &Pixels, mapping: SphereMapping) -> SphereImage {
         SphereImage::try_new(&MipMap::try_new(pixels).unwrap(), mapping).unwrap()
     }
 
+    /// A picture of the directions themselves, moved into [0, 2].
     fn of_directions(mapping: SphereMapping, width: u32, height: u32) -> SphereImage {
         let rgb: Vec<[f32; 3]> = (0..width * height)
             .map(|i| {

@@ -3,18 +3,15 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use glanz_job::ScratchFileError;
+use glanz_job::{ContentHash, ScratchFileError};
 use glanz_math::DVec2;
 
 use super::mip_map::ImageWrap;
 use super::texels::{TexelFormat, TexelValues};
 use super::texture_cache::TextureCache;
 
-/// Texels along a side of a tile.
+/// Texels along a side of a tile, at most.
 const TILE: usize = 64;
-
-/// Texels of a tile.
-const TILE_TEXELS: usize = TILE * TILE;
 
 /// Texels in rows from the top.
 #[derive(Clone, Debug)]
@@ -54,10 +51,13 @@ impl MipLevel {
         Self { width, height, texels: LevelTexels::Memory(Arc::new(texels)) }
     }
 
-    /// Memory of the texels, bytes; 0 for those in a cache.
+    /// Memory of the texels, bytes, without those in a cache.
     pub(super) fn memory(&self) -> u64 {
         match &self.texels {
             LevelTexels::Memory(block) => block.memory(),
+            LevelTexels::Cached(CachedLevel { source: TileSource::File { format, .. }, .. }) => {
+                format.memory()
+            }
             LevelTexels::Cached(_) => 0,
         }
     }
@@ -77,22 +77,22 @@ impl MipLevel {
     pub(super) fn stored(&self, cache: &TextureCache) -> Result<Self, ScratchFileError> {
         let LevelTexels::Memory(block) = &self.texels else { return Ok(self.clone()) };
         let format = block.format();
-        let row_bytes = TILE_TEXELS * self.tile_columns() * format.texel_bytes();
-        let start = cache.allocate((row_bytes * self.tile_rows()) as u64)?;
-        // The tiles beside each other, the last of which are filled up.
-        let mut bytes = Vec::with_capacity(row_bytes);
-        for (tile_row, place) in (0..self.tile_rows()).zip((start..).step_by(row_bytes.max(1))) {
+        let ([across, down], texel_bytes) = (self.tile_size(), format.texel_bytes());
+        let (tile_bytes, columns) = (across * down * texel_bytes, self.tile_columns());
+        let tiles = columns * self.tile_rows();
+        let start = cache.allocate(tile_bytes as u64 * tiles as u64)?;
+        let mut bytes = Vec::with_capacity(tile_bytes);
+        for (number, place) in (0..tiles).zip((start..).step_by(tile_bytes.max(1))) {
+            let [left, top] = [number % columns, number / columns].map(|tile| TILE * tile);
             bytes.clear();
-            for tile in 0..self.tile_columns() {
-                let columns = TILE * tile..self.width.min(TILE * (tile + 1));
-                for row in TILE * tile_row..TILE * (tile_row + 1) {
-                    let full = bytes.len() + TILE * format.texel_bytes();
-                    if row < self.height {
-                        let row = self.width * row;
-                        block.append(row + columns.start..row + columns.end, &mut bytes);
-                    }
-                    bytes.resize(full, 0);
+            // Tiles beyond the border are filled up.
+            for row in top..top + down {
+                let full = bytes.len() + across * texel_bytes;
+                if row < self.height {
+                    let row = self.width * row;
+                    block.append(row + left..row + self.width.min(left + across), &mut bytes);
                 }
+                bytes.resize(full, 0);
             }
             cache.write(&bytes, place)?;
         }
@@ -112,6 +112,11 @@ impl MipLevel {
         Self { width: self.width, height: self.height, texels }
     }
 
+    /// Columns and rows of a tile: no more than there are.
+    fn tile_size(&self) -> [usize; 2] {
+        [self.width.min(TILE), self.height.min(TILE)]
+    }
+
     fn tile_columns(&self) -> usize {
         self.width.div_ceil(TILE)
     }
@@ -122,19 +127,28 @@ impl MipLevel {
 
     /// All texels, from the top left.
     pub(super) fn to_rgb(&self) -> Vec<[f32; 3]> {
-        let mut reader = TexelReader::new(self);
         let mut all = vec![[0.0; 3]; self.width * self.height];
-        // Tile after tile, each of which is read once.
+        self.for_each(|column, row, rgb| all[row * self.width + column] = rgb);
+        all
+    }
+
+    /// Adds all values, wherever they are, to a hash.
+    pub(super) fn add_to(&self, hash: &mut ContentHash) {
+        self.for_each(|_, _, rgb| rgb.iter().for_each(|x| hash.add(&x.to_bits().to_le_bytes())));
+    }
+
+    /// Calls `each` with column, row and value of all texels, tile after tile, each of which is read once.
+    fn for_each(&self, mut each: impl FnMut(usize, usize, [f32; 3])) {
+        let mut reader = TexelReader::new(self);
         for tile_row in 0..self.tile_rows() {
             for tile in 0..self.tile_columns() {
                 for row in TILE * tile_row..self.height.min(TILE * (tile_row + 1)) {
                     for column in TILE * tile..self.width.min(TILE * (tile + 1)) {
-                        all[row * self.width + column] = reader.texel(column, row);
+                        each(column, row, reader.texel(column, row));
                     }
                 }
             }
         }
-        all
     }
 
     /// Position in columns and rows from the top left corner, with fractions.
@@ -207,14 +221,14 @@ impl CachedLevel {
     fn tile(&self, number: usize, columns: usize, level: &MipLevel) -> Arc<TexelValues> {
         self.cache.tile(self.first + number as u64, || match &self.source {
             TileSource::File { start, format } => {
-                let bytes = TILE_TEXELS * format.texel_bytes();
-                format.block(self.cache.read(bytes, start + (number * bytes) as u64))
+                let bytes = level.tile_size().iter().product::<usize>() * format.texel_bytes();
+                format.texels(self.cache.read(bytes, start + number as u64 * bytes as u64))
             }
             TileSource::Larger(larger) => {
                 let corner = [number % columns, number / columns].map(|tile| TILE * tile);
                 let size = [level.width - corner[0], level.height - corner[1]].map(|side| side.min(TILE));
                 let [across, down] = [0, 1].map(|i| corner[i]..corner[i] + size[i]);
-                larger.halved(across, down).with_row_length(size[0], TILE)
+                larger.halved(across, down).with_row_length(size[0], level.tile_size()[0])
             }
         })
     }
@@ -247,7 +261,7 @@ impl<'a> TexelReader<'a> {
             Some((known, tile)) if *known == number => tile,
             slot => &mut slot.insert((number, cached.tile(number, columns, self.level))).1,
         };
-        tile.texel((row % TILE) * TILE + column % TILE)
+        tile.texel((row % TILE) * self.level.tile_size()[0] + column % TILE)
     }
 
     /// A texel at any place.

@@ -1,8 +1,9 @@
 //! Pictures with mipmap levels.
 
+use std::fmt;
 use std::sync::{Arc, OnceLock};
 
-use glanz_job::ScratchFileError;
+use glanz_job::{ContentHash, ScratchFileError};
 use glanz_light::Pixels;
 use glanz_math::DVec2;
 
@@ -83,10 +84,9 @@ impl ImageFilter {
 ///
 /// Levels halve in both directions, rounding down, to one pixel; each pixel is the exact mean over its area of the level before, so that all
 /// levels have the mean of the picture. A picture without more than 256 different values per colour takes a byte for each, its smaller levels four.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct MipMap(Arc<MipLevels>);
 
-#[derive(Debug)]
 struct MipLevels {
     full: Arc<MipLevel>,
     /// The levels below the full size: of a picture in memory made when one is read for the first time.
@@ -97,6 +97,19 @@ struct MipLevels {
     uniform: Option<f32>,
     /// Column and row of the first pixel that is not finite.
     not_finite: Option<[usize; 2]>,
+}
+
+impl fmt::Debug for MipMap {
+    /// The size and a hash of the values, the same in memory and in a file, and whether smaller levels are made yet or not: hashes of descriptions are those of this
+    /// text.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut hash = ContentHash::default();
+        self.0.full.add_to(&mut hash);
+        f.debug_struct("MipMap")
+            .field("size", &self.size())
+            .field("values", &hash.value())
+            .finish_non_exhaustive()
+    }
 }
 
 impl MipMap {
@@ -149,7 +162,8 @@ impl MipMap {
         let full = &self.0.full;
         match self.0.cache {
             Some(_) => {
-                self.0.smaller.get().map_or(0, |levels| levels.iter().map(|level| level.memory()).sum())
+                let smaller = self.0.smaller.get().into_iter().flatten();
+                full.memory() + smaller.map(|level| level.memory()).sum::<u64>()
             }
             None => full.memory() + (size_of::<f32>() * full.planes() * full.width * full.height / 3) as u64,
         }
@@ -459,7 +473,12 @@ mod tests {
     /// Bytes and floats, grey and colours, sides that are no multiples of a tile, and memory for a few tiles only.
     #[test]
     fn pictures_in_a_file_have_the_values_of_those_in_memory() {
-        let (width, height) = (700, 333);
+        for (width, height) in [(700, 333), (1, 5000), (5000, 1), (64, 128), (65, 33)] {
+            of_file_as_of_memory(width, height);
+        }
+    }
+
+    fn of_file_as_of_memory(width: usize, height: usize) {
         let count = width * height;
         let steps = |i: usize, k: usize| ((i * (37 + k)) % 251) as f32 / 250.0;
         let grey = |i: usize| [steps(i, 0); 3];
@@ -468,11 +487,15 @@ mod tests {
         for (kind, texel) in [&grey as &dyn Fn(usize) -> [f32; 3], &bytes, &floats].into_iter().enumerate() {
             let rgb: Vec<_> = (0..count).map(texel).collect();
             let pixels = Pixels::try_from_rgb(width as u32, height as u32, &rgb).unwrap();
-            let (whole, cache) = (MipMap::try_new(&pixels).unwrap(), TextureCache::new(400_000));
+            let (whole, cache) = (MipMap::try_new(&pixels).unwrap(), TextureCache::new(2 * count as u64));
             let stored = MipMap::try_new_in(&pixels, &cache).unwrap();
             assert!(whole.cache().is_none() && stored.cache().is_some());
             assert!(cache.file_size() > [count, 3 * count, 12 * count][kind] as u64);
             assert!(stored.memory() < 20_000, "{}", stored.memory());
+            // No more than a tile's row and column beyond the picture.
+            let bound = (width + 64) * (height + 64) * [1, 3, 12][kind] * 3;
+            assert!(cache.file_size() <= bound as u64, "{width} x {height}: {}", cache.file_size());
+            assert_eq!(format!("{whole:?}"), format!("{stored:?}"));
             assert_eq!(stored.to_rgb().unwrap(), rgb);
             for number in 0..whole.levels() {
                 assert_eq!(whole.level(number).to_rgb(), stored.level(number).to_rgb(), "{kind}: {number}");
@@ -485,6 +508,7 @@ mod tests {
                 };
                 assert_eq!(look(&whole), look(&stored));
             }
+            assert_eq!(format!("{whole:?}"), format!("{:?}", MipMap::try_new(&pixels).unwrap()));
             assert_eq!(cache.check(), Ok(()));
         }
     }

@@ -20,7 +20,7 @@ pub(super) enum TexelValues {
     Floats { values: Vec<f32>, planes: usize },
 }
 
-/// The form of a block in a file.
+/// The form of texels in a file.
 #[derive(Clone, Debug)]
 pub(super) struct TexelFormat {
     /// Values of a texel: one or three.
@@ -40,8 +40,13 @@ impl TexelFormat {
         self.planes * if self.palette.is_some() { 1 } else { size_of::<f32>() }
     }
 
-    /// The block that [`TexelValues::append`] made of texels.
-    pub(super) fn block(&self, bytes: Vec<u8>) -> TexelValues {
+    /// Memory of the form itself, bytes.
+    pub(super) fn memory(&self) -> u64 {
+        self.palette.as_deref().map_or(0, palette_memory)
+    }
+
+    /// The texels that [`TexelValues::append`] wrote.
+    pub(super) fn texels(&self, bytes: Vec<u8>) -> TexelValues {
         match &self.palette {
             Some(palette) => TexelValues::Bytes { bytes, palette: Arc::clone(palette) },
             None => {
@@ -53,26 +58,25 @@ impl TexelFormat {
 }
 
 impl TexelValues {
-    /// The block of planes, one for grey or three, of the same length; as bytes if no plane has more than 256 values.
+    /// The texels of planes, one for grey or three, of the same length; as bytes if no plane has more than 256 values, and if that takes less memory.
     pub(super) fn of_planes(planes: &[&[f32]]) -> Self {
         let planes = match planes {
             [red, green, blue] if is_same(red, green) && is_same(red, blue) => &planes[..1],
             _ => planes,
         };
-        let found: Option<Vec<_>> = planes.iter().map(|plane| numbered(plane)).collect();
-        match found {
+        let is_worth = planes.iter().all(|plane| plane.len() > 2 * BYTE_VALUES);
+        let found = planes.iter().map(|plane| numbered(plane).filter(|_| is_worth));
+        match found.collect::<Option<Vec<_>>>() {
             Some(found) => {
                 let (bytes, palette): (Vec<_>, Vec<_>) = found.into_iter().unzip();
-                Self::Bytes { bytes: interleaved(bytes), palette: Arc::new(palette) }
+                let bytes = interleaved(&bytes.iter().map(Vec::as_slice).collect::<Vec<_>>());
+                Self::Bytes { bytes, palette: Arc::new(palette) }
             }
-            None => {
-                let values = interleaved(planes.iter().map(|plane| plane.to_vec()).collect());
-                Self::Floats { values, planes: planes.len() }
-            }
+            None => Self::Floats { values: interleaved(planes), planes: planes.len() },
         }
     }
 
-    /// Red, green and blue of a texel; black beyond the block.
+    /// Red, green and blue of a texel; black beyond the last one.
     #[inline]
     pub(super) fn texel(&self, index: usize) -> [f32; 3] {
         match self {
@@ -96,10 +100,10 @@ impl TexelValues {
         }
     }
 
-    /// Memory of the values, bytes.
+    /// Memory of the values, bytes, with that of their palette.
     pub(super) fn memory(&self) -> u64 {
         match self {
-            Self::Bytes { bytes, .. } => bytes.len() as u64,
+            Self::Bytes { bytes, palette } => bytes.len() as u64 + palette_memory(palette),
             Self::Floats { values, .. } => size_of_val(&values[..]) as u64,
         }
     }
@@ -124,7 +128,7 @@ impl TexelValues {
         }
     }
 
-    /// Appends the texels of `range`, which the block must have, in their form in a file.
+    /// Appends the texels of `range`, all of which must be there, in their form in a file.
     pub(super) fn append(&self, range: std::ops::Range<usize>, out: &mut Vec<u8>) {
         let planes = self.planes();
         let range = range.start * planes..range.end * planes;
@@ -138,16 +142,20 @@ impl TexelValues {
     }
 }
 
+fn palette_memory(palette: &TexelPalette) -> u64 {
+    size_of_val(&palette[..]) as u64
+}
+
 /// Whether all bits are equal.
 fn is_same(a: &[f32], b: &[f32]) -> bool {
     a.iter().zip(b).all(|(a, b)| a.to_bits() == b.to_bits())
 }
 
 /// The values of the planes, texel after texel.
-fn interleaved<T: Copy>(mut planes: Vec<Vec<T>>) -> Vec<T> {
-    match &planes[..] {
-        [a, b, c] => a.iter().zip(b).zip(c).flat_map(|((&a, &b), &c)| [a, b, c]).collect(),
-        _ => planes.pop().unwrap_or_default(),
+fn interleaved<T: Copy>(planes: &[&[T]]) -> Vec<T> {
+    match planes {
+        [a, b, c] => a.iter().zip(*b).zip(*c).flat_map(|((&a, &b), &c)| [a, b, c]).collect(),
+        _ => planes.first().map_or_else(Vec::new, |plane| plane.to_vec()),
     }
 }
 
@@ -180,8 +188,8 @@ fn numbered(values: &[f32]) -> Option<(Vec<u8>, [f32; BYTE_VALUES])> {
 mod tests {
     use super::*;
 
-    fn texels(block: &TexelValues, count: usize) -> Vec<[f32; 3]> {
-        (0..count).map(|i| block.texel(i)).collect()
+    fn texels(values: &TexelValues, count: usize) -> Vec<[f32; 3]> {
+        (0..count).map(|i| values.texel(i)).collect()
     }
 
     #[test]
@@ -190,30 +198,33 @@ mod tests {
         let many: Vec<f32> = (0..1000).map(|i| i as f32).collect();
         let mirrored: Vec<f32> = few.iter().map(|x| 1.0 - x).collect();
         for (planes, bytes) in [
-            ([&few[..], &mirrored, &few], 3000),
-            ([&few, &few, &few], 1000),
+            ([&few[..], &mirrored, &few], 3000 + 3 * 1024),
+            ([&few, &few, &few], 1000 + 1024),
             ([&few, &many, &few], 12_000),
             ([&many, &many, &many], 4000),
         ] {
-            let block = TexelValues::of_planes(&planes);
-            assert_eq!(block.memory(), bytes);
+            let values = TexelValues::of_planes(&planes);
+            assert_eq!(values.memory(), bytes);
             let expected: Vec<_> = (0..1000).map(|i| planes.map(|plane| plane[i])).collect();
-            assert_eq!(texels(&block, 1000), expected);
+            assert_eq!(texels(&values, 1000), expected);
             let mut file = Vec::new();
-            block.append(10..20, &mut file);
-            assert_eq!(file.len(), 10 * block.format().texel_bytes());
-            assert_eq!(texels(&block.format().block(file), 10), expected[10..20]);
-            assert_eq!(block.texel(1000), [0.0; 3]);
+            values.append(10..20, &mut file);
+            assert_eq!(file.len(), 10 * values.format().texel_bytes());
+            assert_eq!(texels(&values.format().texels(file), 10), expected[10..20]);
+            assert_eq!(values.texel(1000), [0.0; 3]);
         }
     }
 
     #[test]
     fn zeros_of_both_signs_and_values_that_are_not_finite_are_kept() {
         let plane = [0.0, -0.0, f32::INFINITY, f32::NAN, 0.0];
-        let block = TexelValues::of_planes(&[&plane]);
-        assert_eq!(block.memory(), 5);
+        // A palette would take more.
+        assert_eq!(TexelValues::of_planes(&[&plane]).memory(), 20);
+        let plane = plane.repeat(200);
+        let values = TexelValues::of_planes(&[&plane]);
+        assert_eq!(values.memory(), 1000 + 1024);
         for (i, value) in plane.iter().enumerate() {
-            assert_eq!(block.texel(i).map(f32::to_bits), [value.to_bits(); 3]);
+            assert_eq!(values.texel(i).map(f32::to_bits), [value.to_bits(); 3]);
         }
     }
 }

@@ -8,8 +8,11 @@ use glanz_job::{ScratchFile, ScratchFileError};
 
 use super::texels::TexelValues;
 
-/// Parts of the cache with a lock each.
+/// Parts of the cache with a lock each: a power of 2.
 const PARTS: usize = 64;
+
+/// Memory of the largest tile, bytes: 64 x 64 colours in floats.
+const LARGEST_TILE: u64 = 64 * 64 * 12;
 
 /// The memory for the pictures of a scene; cheap to clone.
 ///
@@ -79,10 +82,10 @@ impl TextureCache {
         *self.0.length.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Most memory of the tiles, bytes.
+    /// Most memory of the tiles, bytes: each part keeps one at least.
     #[must_use]
     pub fn tile_memory(&self) -> u64 {
-        self.0.most_of_part.saturating_mul(PARTS as u64)
+        self.0.most_of_part.max(LARGEST_TILE).saturating_mul(PARTS as u64)
     }
 
     /// The first error of the temporary file. After one, texels are black that could not be read.
@@ -115,7 +118,7 @@ impl TextureCache {
         let mut length = self.0.length.lock().unwrap_or_else(PoisonError::into_inner);
         if self.0.file.get().is_none() {
             // Nobody else can have set it: they hold the lock.
-            let _ = self.0.file.set(ScratchFile::try_new(0)?);
+            let _ = self.0.file.set(ScratchFile::try_new(bytes)?);
         }
         let start = *length;
         if let Some(file) = self.0.file.get() {
@@ -152,8 +155,13 @@ impl TextureCache {
     }
 
     fn part(&self, number: u64) -> MutexGuard<'_, CachePart> {
-        self.0.parts[(number % PARTS as u64) as usize].lock().unwrap_or_else(PoisonError::into_inner)
+        self.0.parts[part_of(number)].lock().unwrap_or_else(PoisonError::into_inner)
     }
+}
+
+/// The part of a tile. By Fibonacci hashing: the tiles of a column of a picture, whose numbers differ by a power of 2 in many pictures, are in different parts.
+fn part_of(number: u64) -> usize {
+    (number.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> (u64::BITS - PARTS.ilog2())) as usize
 }
 
 impl CachePart {
@@ -207,7 +215,7 @@ mod tests {
     fn tiles_in_use_stay_and_the_others_make_room() {
         // Ten tiles of 100 bytes for each part.
         let cache = TextureCache::new(2 * 1000 * PARTS as u64);
-        let numbers = || (0..40).map(|i| i * PARTS as u64);
+        let numbers = || (0..).filter(|number| part_of(*number) == 0).take(40);
         for number in numbers() {
             assert_eq!(cache.tile(number, || tile(number)).texel(3)[0], number as f32);
             // The first is used between all others.

@@ -98,6 +98,7 @@ impl ViewerScene {
         }
         let broken = |error: crate::model::ModelError| refuse(None, error.to_string());
         let model = Model::try_new(&name, &description, &scene, &sources.names()).map_err(broken)?;
+        scene.check_textures().map_err(|fault| refuse(None, fault.to_string()))?;
         let model = match loaded.cad {
             // Parts have no walls.
             Some(report) => model.with_cad(report),

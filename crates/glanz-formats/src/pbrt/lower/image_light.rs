@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use glanz_job::ScratchFileError;
 use glanz_light::SpectralDistribution;
 use glanz_light::units::LUMINOUS_EFFICACY;
 use glanz_math::{DVec2, DVec3};
@@ -98,9 +99,8 @@ impl Lowering {
         mapping: SphereMapping,
     ) -> ParseResult<()> {
         self.picture_target(list, "illuminance", light, image, |picture| {
-            let image = SphereImage::try_new(picture, mapping);
-            let irradiance = image.map_or([0.0; 3], |image| image.irradiance());
-            irradiance.map(|x| LUMINOUS_EFFICACY * x)
+            let irradiance = SphereImage::try_new(picture, mapping)?.irradiance();
+            Ok(irradiance.map(|x| LUMINOUS_EFFICACY * x))
         })
     }
 
@@ -111,11 +111,22 @@ impl Lowering {
         name: &'static str,
         light: &mut EmissionParameters,
         image: usize,
-        integral: impl FnOnce(&MipMap) -> [f64; 3],
+        integral: impl FnOnce(&MipMap) -> Result<[f64; 3], ScratchFileError>,
     ) -> ParseResult<()> {
         let picture = self.description.images.get(image).map(|image| image.picture.clone());
         let Some(picture) = picture.filter(|_| list.has(name)) else { return Ok(()) };
-        let (color, integral) = (within_gamut(&light.spectrum), integral(&picture));
+        let budget = self.finder.budget.clone();
+        let [width, height] = picture.size();
+        // Its colours, and as many numbers of a picture of the sphere.
+        let reserved = budget.reserve(24 * (width as u64) * (height as u64));
+        let integral = reserved.and_then(|_reservation| {
+            integral(&picture).map_err(|fault| {
+                budget.fail_with(fault.clone().into());
+                fault.into()
+            })
+        });
+        let integral = integral.map_err(|end| self.reporter.end(&list.place, end))?;
+        let color = within_gamut(&light.spectrum);
         let lit = std::array::from_fn(|i| color[i] * integral[i] as f32);
         // The target is relative to the luminance of the light's own spectrum.
         let luminance = f64::from(SpectralDistribution::Rgb(lit).luminance());
@@ -164,23 +175,23 @@ impl Lowering {
         let mapping = self.mapping_of(image);
         let mut light = self.emission(list, "I", context.color_space)?;
         self.picture_target(list, "power", &mut light, image, |picture| {
-            let mean = SphereImage::try_new(picture, mapping).map_or([0.0; 3], |image| image.mean());
-            mean.map(|x| 4.0 * PI * f64::from(x))
+            let mean = SphereImage::try_new(picture, mapping)?.mean();
+            Ok(mean.map(|x| 4.0 * PI * f64::from(x)))
         })?;
         Ok((LightKind::Goniometric { image, mapping }, light))
     }
 }
 
 /// Integral over solid angle of a picture that is projected.
-fn projected_power(picture: &MipMap, field_of_view: f64) -> [f64; 3] {
+fn projected_power(picture: &MipMap, field_of_view: f64) -> Result<[f64; 3], ScratchFileError> {
     let [width, height] = picture.size();
     let (size, count) = ([width as u32, height as u32], (width * height) as f64);
-    let texels = picture.to_rgb().unwrap_or_default().into_iter().enumerate();
-    integral(texels.map(|(i, rgb)| {
+    let texels = picture.to_rgb()?.into_iter().enumerate();
+    Ok(integral(texels.map(|(i, rgb)| {
         let place = DVec2::new((i % width) as f64 + 0.5, (i / width) as f64 + 0.5);
         let place = place / DVec2::new(f64::from(size[0]), f64::from(size[1]));
         (ProjectionLight::solid_angle_of_unit(size, field_of_view, place) / count, rgb)
-    }))
+    })))
 }
 
 /// Sum of colours, each with its weight; values that are negative or not finite count as black.
@@ -202,7 +213,7 @@ mod tests {
         // The side of a cube, seen from its middle.
         let pixels = Pixels::try_from_rgb(64, 64, &[[1.0, 3.0, -1.0]; 4096]).unwrap();
         let sixth = 4.0 * PI / 6.0;
-        let found = projected_power(&MipMap::try_new(&pixels).unwrap(), 0.5 * PI);
+        let found = projected_power(&MipMap::try_new(&pixels).unwrap(), 0.5 * PI).unwrap();
         for (found, expected) in found.into_iter().zip([sixth, 3.0 * sixth, 0.0]) {
             assert!((found - expected).abs() < 1e-3, "{found} {expected}");
         }
