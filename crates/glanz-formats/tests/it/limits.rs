@@ -294,7 +294,7 @@ fn a_flag_that_is_raised_before_ends_at_once() {
     assert_eq!(end("WorldBegin", &options).0, BudgetError::Interrupted);
 }
 
-/// A picture of 1.8 MB with its levels does not fit in a quarter of 6 MB, and its pixels come from the temporary file.
+/// Of three pictures of 1.8 MB with their levels two fit in a quarter of 16 MB, and the pixels of the third come from the temporary file.
 #[test]
 fn pictures_above_their_share_of_the_memory_are_in_a_file() {
     let folder = tempfile::tempdir().unwrap();
@@ -302,17 +302,18 @@ fn pictures_above_their_share_of_the_memory_are_in_a_file() {
         (0..512 * 512).map(|i| [i % 7, i % 11, i % 13].map(|x| x as f32 / 16.0)).collect();
     let pixels = Pixels::try_from_rgb(512, 512, &rgb).unwrap();
     let png = image::write(&pixels, Format::Png, &Tone::default(), &BTreeMap::new()).unwrap();
-    std::fs::write(folder.path().join("a.png"), png).unwrap();
+    let mut text = "WorldBegin".to_owned();
+    for name in ["a", "b", "c"] {
+        std::fs::write(folder.path().join(format!("{name}.png")), &png).unwrap();
+        text += &format!(" Texture \"{name}\" \"spectrum\" \"imagemap\" \"string filename\" \"{name}.png\"");
+    }
     let scene = folder.path().join("a.pbrt");
-    std::fs::write(
-        &scene,
-        "WorldBegin Texture \"a\" \"spectrum\" \"imagemap\" \"string filename\" \"a.png\"",
-    )
-    .unwrap();
-    let pictures = [6 << 20, 1 << 30].map(|memory| {
+    std::fs::write(&scene, text).unwrap();
+    let pictures = [16 << 20, 1 << 30].map(|memory| {
         let loaded =
             load(&scene, &limited(|limits| limits.memory = memory)).unwrap_or_else(|end| panic!("{end}"));
-        loaded.description.images[0].picture.clone()
+        assert!(loaded.description.images[0].picture.cache().is_none());
+        loaded.description.images[2].picture.clone()
     });
     assert!(
         pictures[0].cache().is_some_and(|cache| cache.file_size() > 3 << 18) && pictures[1].cache().is_none()
