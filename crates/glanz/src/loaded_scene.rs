@@ -317,6 +317,10 @@ impl Write for HashedText {
 
 #[cfg(test)]
 mod tests {
+    use std::io::ErrorKind;
+
+    use glanz_job::LimitError;
+
     use super::*;
 
     #[test]
@@ -325,5 +329,20 @@ mod tests {
         scene.budget.spend(Resource::Memory, 600).unwrap();
         let limits = ResourceLimits { memory: 1000, ..ResourceLimits::default() };
         assert_eq!(scene.limits(limits, CancelFlag::default()).memory_left(), 400);
+    }
+
+    #[test]
+    fn ends_have_their_kinds_with_readers_and_without() {
+        let scene = LoadedScene::from_description("empty", Description::default());
+        let limit = LimitError { resource: Resource::Objects, limit: 1, needed: None };
+        for (end, kind) in [
+            (BudgetError::Limit(limit), "limit"),
+            (BudgetError::Interrupted, "interrupted"),
+            (BudgetError::TemporaryFile { kind: ErrorKind::StorageFull, code: None }, "temporary-file"),
+        ] {
+            let ended = scene.ended(None, end);
+            assert_eq!(ended.end(), Some(end));
+            assert_eq!(ended.iter().map(|diagnostic| diagnostic.kind).collect::<Vec<_>>(), [kind]);
+        }
     }
 }

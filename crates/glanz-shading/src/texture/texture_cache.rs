@@ -96,6 +96,11 @@ impl TextureCache {
         self.0.fault.get().cloned().map_or(Ok(()), Err)
     }
 
+    /// Keeps an error of the temporary file for [`TextureCache::check`], unless there was one before.
+    pub fn fail(&self, error: ScratchFileError) {
+        let _ = self.0.fault.set(error);
+    }
+
     /// Whether both are one, or clones of it.
     #[must_use]
     pub fn is_same(&self, other: &Self) -> bool {
@@ -137,7 +142,7 @@ impl TextureCache {
     pub(super) fn read(&self, length: usize, start: u64) -> Vec<u8> {
         let mut bytes = vec![0; length];
         if let Some(Err(error)) = self.0.file.get().map(|file| file.read(&mut bytes, start)) {
-            let _ = self.0.fault.set(error);
+            self.fail(error);
             bytes.fill(0);
         }
         bytes

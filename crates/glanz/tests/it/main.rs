@@ -7,3 +7,4 @@ mod illuminance;
 #[cfg(feature = "viewer")]
 mod lux_folder;
 mod optimize;
+mod texture_faults;

@@ -108,6 +108,18 @@ fn pictures_and_luminaires_keep_to_the_limits() {
     folder.run("info lamp.ies --memory 10").refused(1, &["lamp.ies: ", "raise it with --memory"]);
     folder.run("info lamp.ies --files --limit bytes=10").refused(1, &["raise it with --limit bytes="]);
     folder.succeed("info lamp.ies --limit bytes=1K");
+    folder.write("tilted.ies", "IESNA:LM-63-2002\nTILT=lamp.tlt\n");
+    folder.write("lamp.tlt", " ".repeat(2000));
+    folder
+        .run("info tilted.ies --files --limit bytes=1K")
+        .refused(1, &["tilted.ies: the limit of", "raise it with --limit bytes="]);
+    assert!(folder.run("info tilted.ies --files --limit bytes=4K").stdout.contains("lamp.tlt"));
+    let road = "road lamp.ies --spacing 25 --height 8";
+    folder
+        .run(&format!("{road} --limit bytes=10"))
+        .refused(1, &["lamp.ies: the limit of", "raise it with --limit bytes="]);
+    folder.run(&format!("{road} --memory 10")).refused(1, &["lamp.ies: ", "raise it with --memory"]);
+    folder.succeed(&format!("{road} --limit bytes=1K --memory 1G"));
     // They have no end, and no other end.
     assert!(
         std::process::Command::new("mkfifo").arg(folder.path("pipe.ies")).status().expect("mkfifo").success()
