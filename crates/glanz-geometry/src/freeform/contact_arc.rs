@@ -10,7 +10,7 @@
 
 use glanz_math::DVec2;
 
-use crate::bezier::bernstein::pascal_triangle;
+use super::arc_polynomial::{LONGEST, Scaled, crossing, value};
 
 /// Largest degree of a cell whose contact curve is searched, in both directions.
 pub(super) const MOST_DEGREE: usize = 7;
@@ -35,13 +35,7 @@ const EXPECTED: (f64, f64) = (4.0, 1.0 / 4096.0);
 /// Accuracy of the places at which the eliminant is searched for values, in units of its uncertainty.
 const RESOLUTION: f64 = 1.0 / 64.0;
 
-/// Steps of the search for a root of the eliminant: bisection to the last bit.
-const MOST_STEPS: usize = 64;
-
 const ROW: usize = MOST_DEGREE + 1;
-
-/// Length of the longest eliminant.
-const LONGEST: usize = 8 * MOST_DEGREE - 2;
 
 /// A part of the contact curve, in the parameters of the cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -66,50 +60,6 @@ pub(super) enum ArcClass {
     Roots([Option<ArcRoot>; 2]),
     /// Unknown: halve x, the first parameter or the second.
     Open { across_first: bool },
-}
-
-/// A polynomial in Bernstein form whose coefficients are multiplied by the binomials, so that products are convolutions.
-#[derive(Clone, Copy)]
-struct Scaled<const N: usize> {
-    coefficients: [f64; N],
-    length: usize,
-}
-
-impl<const N: usize> Scaled<N> {
-    const ZERO: Self = Self { coefficients: [0.0; N], length: 1 };
-
-    fn of(list: impl ExactSizeIterator<Item = f64>) -> Self {
-        let mut scaled = Self { coefficients: [0.0; N], length: list.len() };
-        let degree = list.len().saturating_sub(1);
-        for ((slot, c), factor) in scaled.coefficients.iter_mut().zip(list).zip(&BINOMIALS[degree]) {
-            *slot = c * factor;
-        }
-        scaled
-    }
-
-    /// Adds a product of degree `self.length - 1`.
-    fn add_product<const K: usize, const L: usize>(&mut self, a: &Scaled<K>, b: &Scaled<L>, sign: f64) {
-        for (i, x) in a.coefficients[..a.length].iter().enumerate() {
-            let x = x * sign;
-            for (slot, y) in self.coefficients[i..].iter_mut().zip(&b.coefficients[..b.length]) {
-                *slot += x * y;
-            }
-        }
-    }
-
-    fn unscaled(&self) -> Self {
-        let mut plain = *self;
-        for (slot, factor) in plain.coefficients.iter_mut().zip(&BINOMIALS[self.length - 1][..self.length]) {
-            *slot /= factor;
-        }
-        plain
-    }
-
-    /// Bound on the absolute value: the largest coefficient.
-    fn largest(&self) -> f64 {
-        let factors = &BINOMIALS[self.length - 1][..self.length];
-        self.coefficients.iter().zip(factors).fold(0.0, |most, (c, factor)| most.max((c / factor).abs()))
-    }
 }
 
 /// Both polynomials of a cell, first h, then g: rows by powers of y.
@@ -150,63 +100,6 @@ fn along_curve(
         }
     }
     [work[0], slope]
-}
-
-/// Rows of Pascal's triangle up to the degree of the longest eliminant.
-static BINOMIALS: [[f64; LONGEST]; LONGEST] = pascal_triangle();
-
-/// Value and derivative of Bernstein coefficients.
-fn value(row: &[f64], x: f64) -> (f64, f64) {
-    let Some((&first, rest)) = row.split_first() else { return (0.0, 0.0) };
-    let n = rest.len();
-    if n == 0 {
-        return (first, 0.0);
-    }
-    // Horner's rule in x / (1 - x), for the polynomial and for the differences.
-    let (y, row_n, row_d) = (1.0 - x, &BINOMIALS[n], &BINOMIALS[n - 1]);
-    let (mut power, mut sum, mut slope, mut before) = (1.0, first * y, 0.0, first);
-    for (i, &c) in rest.iter().enumerate() {
-        slope = slope * y + power * row_d[i] * (c - before);
-        power *= x;
-        sum += power * row_n[i + 1] * c;
-        if i + 1 < n {
-            sum *= y;
-        }
-        before = c;
-    }
-    (sum, n as f64 * slope)
-}
-
-/// Where `f`, with its derivative, changes from negative at `from` to positive at `to`, to within `accuracy` of `f`; the end if it does not.
-/// The search begins at `start`, between both.
-fn crossing(f: impl Fn(f64) -> (f64, f64), [from, to]: [f64; 2], start: f64, accuracy: f64) -> f64 {
-    if f(from).0 >= 0.0 {
-        return from;
-    }
-    if f(to).0 <= 0.0 {
-        return to;
-    }
-    let (mut below, mut above) = (from, to);
-    let mut x = start;
-    let mut last = (to - from).abs();
-    for _ in 0..MOST_STEPS {
-        let (y, slope) = f(x);
-        if y.abs() <= accuracy {
-            return x;
-        }
-        *(if y < 0.0 { &mut below } else { &mut above }) = x;
-        let newton = x - y / slope;
-        let inside = newton > below.min(above) && newton < below.max(above);
-        // Steps that do not halve may go on in a circle.
-        let is_shorter = inside && (newton - x).abs() <= 0.5 * last;
-        let next = if is_shorter { newton } else { 0.5 * (below + above) };
-        last = (next - x).abs();
-        if (next - x).abs() <= f64::EPSILON {
-            return next;
-        }
-        x = next;
-    }
-    x
 }
 
 impl ContactCell {
@@ -253,20 +146,25 @@ impl ContactCell {
     }
 }
 
+/// The direction along which h is measured, and whether y, the parameter with the larger mean derivative, is the second one; `None` if the degrees are too high or there is no
+/// direction.
+fn direction((p, q): (usize, usize), [a, b]: [DVec2; 2]) -> Option<(DVec2, bool)> {
+    let by_second = b.length_squared() >= a.length_squared();
+    let along = if by_second { b } else { a };
+    let length = along.length();
+    // Nor has NaN.
+    (length > 0.0 && p.max(q) <= MOST_DEGREE).then(|| (along / length, by_second))
+}
+
 /// Whether g is small where h vanishes on two edges of the cell, as along a line of the surface next to the ray; by the arguments of
 /// [`classify`].
 pub(super) fn is_expected(
     [first, second]: [&[f64]; 2],
     (p, q): (usize, usize),
-    [a, b]: [DVec2; 2],
+    slopes: [DVec2; 2],
     noise: f64,
 ) -> bool {
-    let along = if b.length_squared() >= a.length_squared() { b } else { a };
-    let length = along.length();
-    if length.is_nan() || length <= 0.0 || p.max(q) > MOST_DEGREE {
-        return false;
-    }
-    let d = along / length;
+    let Some((d, _)) = direction((p, q), slopes) else { return false };
     let largest =
         first.iter().zip(second).fold(0.0_f64, |most, (&x, &y)| most.max(d.perp_dot(DVec2::new(x, y)).abs()));
     let expected = (EXPECTED.0 * noise).max(EXPECTED.1 * largest);
@@ -296,22 +194,18 @@ pub(super) fn is_expected(
 }
 
 /// Classifies the cell with the Bernstein coefficients `first` and `second`, that of (i, j) at j (p + 1) + i, whose mean derivatives are
-/// `a` and `b`, by its contact curve. `noise` bounds the rounding of the coefficients.
+/// `slopes`, by its contact curve. `noise` bounds the rounding of the coefficients.
 pub(super) fn classify(
     [first, second]: [&[f64]; 2],
     (p, q): (usize, usize),
-    [a, b]: [DVec2; 2],
+    slopes: [DVec2; 2],
     noise: f64,
 ) -> ArcClass {
-    // y is the parameter with the larger derivative.
-    let by_second = b.length_squared() >= a.length_squared();
-    let (along, degrees) = if by_second { (b, (p, q)) } else { (a, (q, p)) };
-    let length = along.length();
-    // NaN has no direction.
-    if length.is_nan() || length <= 0.0 || p.max(q) > MOST_DEGREE || degrees.1 == 0 {
+    let Some((d, by_second)) = direction((p, q), slopes) else { return ArcClass::Irregular };
+    let degrees = if by_second { (p, q) } else { (q, p) };
+    if degrees.1 == 0 {
         return ArcClass::Irregular;
     }
-    let d = along / length;
     let mut cell = ContactCell { h: [[0.0; ROW]; ROW], g: [[0.0; ROW]; ROW], p: degrees.0, q: degrees.1 };
     for j in 0..=q {
         for i in 0..=p {

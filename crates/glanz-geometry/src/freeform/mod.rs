@@ -35,6 +35,7 @@
 //! # Ok::<(), glanz_geometry::SurfaceError>(())
 //! ```
 
+mod arc_polynomial;
 mod area;
 mod bicubic;
 mod bicubic_lanes;
