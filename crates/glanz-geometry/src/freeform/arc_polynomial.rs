@@ -11,12 +11,12 @@ const MOST_STEPS: usize = 64;
 
 /// A polynomial in Bernstein form whose coefficients are multiplied by the binomials, so that products are convolutions.
 #[derive(Clone, Copy)]
-pub(super) struct Scaled<const N: usize> {
+pub(super) struct ScaledBernstein<const N: usize> {
     pub(super) coefficients: [f64; N],
     pub(super) length: usize,
 }
 
-impl<const N: usize> Scaled<N> {
+impl<const N: usize> ScaledBernstein<N> {
     pub(super) const ZERO: Self = Self { coefficients: [0.0; N], length: 1 };
 
     pub(super) fn of(list: impl ExactSizeIterator<Item = f64>) -> Self {
@@ -31,8 +31,8 @@ impl<const N: usize> Scaled<N> {
     /// Adds a product of degree `self.length - 1`.
     pub(super) fn add_product<const K: usize, const L: usize>(
         &mut self,
-        a: &Scaled<K>,
-        b: &Scaled<L>,
+        a: &ScaledBernstein<K>,
+        b: &ScaledBernstein<L>,
         sign: f64,
     ) {
         for (i, x) in a.coefficients[..a.length].iter().enumerate() {
@@ -49,6 +49,10 @@ impl<const N: usize> Scaled<N> {
             *slot /= factor;
         }
         plain
+    }
+
+    pub(super) fn is_finite(&self) -> bool {
+        self.coefficients[..self.length].iter().all(|c| c.is_finite())
     }
 
     /// Bound on the absolute value: the largest coefficient.
@@ -118,4 +122,33 @@ pub(super) fn crossing(
         x = next;
     }
     x
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_and_slopes_are_those_of_the_closed_form() {
+        // x^3 - x + 1/4.
+        let row = [0.25, 0.25 - 1.0 / 3.0, 0.25 - 2.0 / 3.0, 0.25];
+        for x in [-0.5, 0.0, 0.3, 0.5, 1.0, 1.5] {
+            let (y, slope) = value(&row, x);
+            assert!((y - (x * x * x - x + 0.25)).abs() < 1e-15, "{x}: {y}");
+            assert!((slope - (3.0 * x * x - 1.0)).abs() < 1e-14, "{x}: {slope}");
+        }
+        assert_eq!((value(&[], 0.3), value(&[2.0], 0.3)), ((0.0, 0.0), (2.0, 0.0)));
+    }
+
+    #[test]
+    fn crossing_is_the_root_or_the_end_beyond_which_it_lies() {
+        let line = |level: f64| move |x: f64| (x * x - level, 2.0 * x);
+        assert!((crossing(line(0.25), [0.0, 1.0], 0.9, 0.0) - 0.5).abs() <= f64::EPSILON);
+        // From right to left.
+        let falling = |x: f64| (0.25 - x * x, -2.0 * x);
+        assert!((crossing(falling, [1.0, 0.0], 0.9, 0.0) - 0.5).abs() <= f64::EPSILON);
+        assert_eq!(crossing(line(-1.0), [0.0, 1.0], 0.5, 0.0), 0.0);
+        assert_eq!(crossing(line(2.0), [0.0, 1.0], 0.5, 0.0), 1.0);
+        assert_eq!(crossing(line(0.25), [0.7, 0.7], 0.7, 0.0), 0.7);
+    }
 }

@@ -6,8 +6,8 @@ use glanz_math::glam::DVec4;
 use glanz_math::{Bounds3, DVec2};
 
 use super::control_net::MAX_DEGREE;
-use super::leaf::PatchLeaf;
 use super::leaf_builder::{LeafBuilder, is_line};
+use super::leaf_list::LeafList;
 use super::parameter_rect::DyadicRect;
 use super::patch_list::PatchList;
 use super::polynomial_patches::PolynomialPatches;
@@ -117,11 +117,7 @@ impl Freeform {
         });
         let leaves = LeafList::new(&subpatches, |index, subpatch, leaves| {
             let placement = &patches[subpatch.location.patch as usize].placement;
-            leaves.push_all(
-                &rules.leaves(index as u32, subpatch, placement),
-                subpatch.location.patch,
-                &rules.frame,
-            );
+            leaves.push_all(&rules.leaves(index as u32, subpatch, placement), subpatch, &rules.frame);
         });
         let locations: Arc<[SubpatchLocation]> = if subpatches.len() == patches.len() {
             Arc::new([])
@@ -145,7 +141,7 @@ impl Freeform {
             let mut subpatches = Vec::new();
             Subpatch::append_all(face, &patch, MOST_HALVINGS, &mut subpatches);
             for (index, subpatch) in (self.first_subpatch(face)..).zip(&subpatches) {
-                leaves.push_all(&rules.leaves(index, subpatch, &patch.placement), face, &rules.frame);
+                leaves.push_all(&rules.leaves(index, subpatch, &patch.placement), subpatch, &rules.frame);
             }
         });
         let (patches, subpatches) = (Arc::clone(&self.patches), Arc::clone(&self.subpatches));
@@ -178,7 +174,7 @@ impl Freeform {
         leaves: LeafList,
         region: Option<Arc<TrimRegion>>,
     ) -> Self {
-        let LeafList { mut leaves, mut boxes, lines, mut without_area } = leaves;
+        let LeafList { mut leaves, mut boxes, reduced_nets, lines, mut without_area } = leaves;
         if leaves.is_empty() {
             (leaves, boxes) = lines.into_iter().unzip();
         }
@@ -196,6 +192,7 @@ impl Freeform {
             region,
             extent,
             leaves: ordered,
+            reduced_nets,
             without_area,
             subpatches,
             locations,
@@ -241,58 +238,6 @@ impl PatchSummary {
             hull: all.hull.union(part.hull),
             is_polynomial: all.is_polynomial && part.is_polynomial,
         })
-    }
-}
-
-/// Leaves and their boxes before the hierarchy is built. The control points of their parts are gone: those of a million patches would
-/// take more memory than the surface.
-#[derive(Default)]
-pub(super) struct LeafList {
-    leaves: Vec<PatchLeaf>,
-    boxes: Vec<Bounds3>,
-    /// Parts without area, which are kept only if there are no others.
-    lines: Vec<(PatchLeaf, Bounds3)>,
-    /// Patches with such parts.
-    without_area: Vec<u32>,
-}
-
-impl LeafList {
-    /// All that `append` adds for each element of `list` and its position, in the order of `list`; in parallel.
-    fn new<T: Sync>(list: &[T], append: impl Fn(usize, &T, &mut Self) + Sync + Send) -> Self {
-        let chunks: Vec<_> = (0..).step_by(CHUNK).zip(list.chunks(CHUNK)).collect();
-        let parts = parallel_map(&chunks, 1, |&(first, elements)| {
-            let mut part = Self::default();
-            (first..).zip(elements).for_each(|(index, element)| append(index, element, &mut part));
-            part
-        });
-        let mut all = Self::default();
-        parts.into_iter().for_each(|part| all.append(part));
-        all
-    }
-
-    /// Adds the leaves of a patch, with coordinates relative to the centre of the surface.
-    pub(super) fn push_all(&mut self, found: &PatchLeaves, patch: u32, frame: &SurfaceFrame) {
-        let of =
-            |leaf: &LeafBuilder| (PatchLeaf::new(leaf, frame.center), frame.bounds_in_common(leaf.bounds));
-        for leaf in &found.leaves {
-            let (leaf, bounds) = of(leaf);
-            self.leaves.push(leaf);
-            self.boxes.push(bounds);
-        }
-        self.lines.extend(found.lines.iter().map(of));
-        self.without_area.extend((!found.lines.is_empty()).then_some(patch));
-    }
-
-    pub(super) fn append(&mut self, part: Self) {
-        self.leaves.extend(part.leaves);
-        self.boxes.extend(part.boxes);
-        self.lines.extend(part.lines);
-        self.without_area.extend(part.without_area);
-    }
-
-    pub(super) fn reverse(&mut self) {
-        self.leaves.reverse();
-        self.boxes.reverse();
     }
 }
 
@@ -358,7 +303,8 @@ impl LeafRules<'_> {
             let deviation = leaf.parallelogram.jacobian_deviation();
             // Next to a collapsed edge or a cusp the deviation stays large, however small the part.
             let is_reduced = deviation < SUFFICIENT_REDUCTION * before[1];
-            let helps = halvings < FIRST_HALVINGS || is_reduced;
+            // Before the first two halvings both are infinite where the tangents are parallel.
+            let helps = halvings < FIRST_HALVINGS || deviation <= SUFFICIENT_REDUCTION * before[1];
             if deviation <= limit || !large || !helps || halvings == MOST_HALVINGS {
                 done.leaves.push(leaf);
             } else {

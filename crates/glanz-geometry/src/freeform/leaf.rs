@@ -22,6 +22,8 @@ pub(super) struct PatchLeaf {
     /// thickness, squared deviation and curvature bound, rounded up.
     pub(super) rows: [[f32; 4]; 3],
     pub(super) subpatch: u32,
+    /// Position of its [`ReducedNet`](super::reduced_net::ReducedNet) in those of the surface, [`PatchLeaf::NO_NET`] without one.
+    pub(super) reduced_net: u32,
     pub(super) part: DyadicRect,
     /// Whether a trimming curve crosses it, so that each root must be classified.
     pub(super) crossed: bool,
@@ -59,6 +61,9 @@ impl LeafProjection {
 }
 
 impl PatchLeaf {
+    /// The position of no net.
+    pub(super) const NO_NET: u32 = u32::MAX;
+
     /// The leaf, with coordinates relative to `origin`, the centre of the surface.
     pub(super) fn new(leaf: &LeafBuilder, origin: DVec3) -> Self {
         let ThickParallelogram {
@@ -79,6 +84,7 @@ impl PatchLeaf {
         Self {
             rows: [0, 1, 2].map(|k| [c[k], u[k], v[k], last[k]]),
             subpatch: leaf.subpatch,
+            reduced_net: Self::NO_NET,
             part: leaf.part,
             crossed: leaf.crossed,
         }

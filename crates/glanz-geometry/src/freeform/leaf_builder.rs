@@ -212,19 +212,19 @@ impl LeafBuilder {
         self.halves_across(is_more_curved_along_u(&self.net, self.degrees))
     }
 
-    /// The halves, along either direction, of which the sum of the Jacobian deviations is less. A sector of a cone stays as twisted as
-    /// it is in narrower sectors, and only the half at the apex in shorter ones.
+    /// The halves, along either direction, of which the sum of the Jacobian deviations is less. Narrower sectors of a cone keep its deviation; of two
+    /// shorter ones, only that at the apex does.
     pub(super) fn less_deviating_halves(&self) -> [(DyadicRect, Vec<DVec4>); 2] {
         let by_curvature = is_more_curved_along_u(&self.net, self.degrees);
         let [first, second] = [by_curvature, !by_curvature].map(|across_u| self.halves_across(across_u));
-        let deviation = |halves: &[(DyadicRect, Vec<DVec4>); 2]| -> f64 {
+        let [of_first, of_second] = [&first, &second].map(|halves| -> f64 {
             halves
                 .iter()
                 .map(|(_, net)| ThickParallelogram::new(net, self.degrees).jacobian_deviation())
                 .sum()
-        };
+        });
         // NaN, of a half without area, is above every sum.
-        if deviation(&second) < deviation(&first) || deviation(&first).is_nan() { second } else { first }
+        if of_second < of_first || (of_first.is_nan() && !of_second.is_nan()) { second } else { first }
     }
 
     fn halves_across(&self, across_u: bool) -> [(DyadicRect, Vec<DVec4>); 2] {
@@ -287,6 +287,17 @@ mod tests {
             let bound = ThickParallelogram::new(&net, (2, 2)).curvature_bound;
             assert!((bound - expected).abs() < 1e-14, "{bound} of {expected}");
         }
+    }
+
+    #[test]
+    fn sector_of_a_cone_becomes_shorter() {
+        let apex = DVec4::new(0.0, 0.0, 0.0, 1.0);
+        let arc = [[1.0, 0.0], [1.0, 0.5], [0.7, 1.0]].map(|[x, y]| DVec4::new(x, y, 1.0, 1.0));
+        let net = [[apex; 3], arc].concat();
+        let leaf = LeafBuilder::new(0, DyadicRect::WHOLE, net, (1, 2));
+        let widths = |[(low, _), _]: [(DyadicRect, Vec<DVec4>); 2]| low.width().to_array();
+        assert_eq!(widths(leaf.halves()), [1.0, 0.5]);
+        assert_eq!(widths(leaf.less_deviating_halves()), [0.5, 1.0]);
     }
 
     #[test]

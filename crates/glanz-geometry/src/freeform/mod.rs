@@ -8,8 +8,8 @@
 //!   differ much, `leaf_builder` bounds the deviation of a part from a parallelogram, and `build` halves parts until it is small.
 //! - Searching: `leaf` excludes a leaf, or certifies that it has one root at most. The root is found in the subpatch that
 //!   contains the leaf: `bicubic` and `projected_bicubic` for low degrees, `net_search` for all others, with `contraction`
-//!   near borders. Leaves without a certificate go to `subdivision`, with `cell_coefficients`, `contact_arc`, `degree_reduction` and
-//!   `flat_cell`.
+//!   near borders. Leaves without a certificate go to `subdivision`, with `cell_class`, `cell_coefficients`, `contact_arc`,
+//!   `degree_reduction`, `reduced_net` and `flat_cell`.
 //! - Searching for many rays at once: `stream` collects pairs of a ray and a leaf in a `pair_queue`, and `group_solver` solves eight at a
 //!   time; `ray_lanes`, `leaf_lanes`, `bicubic_lanes` with `newton_lanes`, and `net_lanes` are `ray_space`, `leaf`, `bicubic` and
 //!   `net_search` for eight of them (`pair_lanes`), with the same bits.
@@ -41,6 +41,7 @@ mod bicubic;
 mod bicubic_lanes;
 mod bicubic_surface;
 mod build;
+mod cell_class;
 mod cell_coefficients;
 mod contact_arc;
 mod contraction;
@@ -51,6 +52,7 @@ mod group_solver;
 mod leaf;
 mod leaf_builder;
 mod leaf_lanes;
+mod leaf_list;
 mod net_corrections;
 mod net_lanes;
 mod net_search;
@@ -65,6 +67,7 @@ mod projected_bicubic;
 mod query;
 mod ray_lanes;
 mod ray_space;
+mod reduced_net;
 mod root;
 mod stream;
 mod subdivision;
@@ -87,6 +90,7 @@ use self::patch_list::PatchList;
 use self::point_lanes::PointBatch;
 use self::query::{AllHitsQuery, ClosestQuery, OcclusionQuery};
 use self::ray_space::SurfaceFrame;
+use self::reduced_net::ReducedNet;
 use self::root::SearchScratch;
 use self::subpatches::{SubpatchList, SubpatchLocation};
 pub use self::surface_patch::SurfacePatch;
@@ -111,6 +115,8 @@ pub struct Freeform {
     bvh: Bvh,
     /// Leaves by position in the hierarchy.
     leaves: Vec<PatchLeaf>,
+    /// Nets of leaves of high degree.
+    reduced_nets: Vec<ReducedNet>,
     /// Patches of which parts have no area.
     without_area: Vec<u32>,
     /// The subpatches that the leaves are parts of.
@@ -222,6 +228,7 @@ impl Freeform {
     pub fn bytes(&self) -> usize {
         self.patches.bytes()
             + size_of_val(&*self.leaves)
+            + self.reduced_nets.iter().map(ReducedNet::bytes).sum::<usize>()
             + self.subpatches.bytes()
             + size_of_val(&*self.locations)
             + self.statistics().bytes

@@ -19,6 +19,7 @@ use super::control_net;
 use super::leaf::{LeafProjection, PatchLeaf};
 use super::parameter_rect::DyadicRect;
 use super::ray_space::RaySpace;
+use super::reduced_net::ReducedNet;
 use super::root::{FirstOrderJet, SearchScratch, SurfaceRoot};
 use super::subdivision::{self, SubdividablePatch};
 use crate::bvh::simd::Simd;
@@ -41,27 +42,20 @@ pub(super) struct HomogeneousNet<'a> {
 struct NetLeaf<'a> {
     net: HomogeneousNet<'a>,
     part: DyadicRect,
+    reduced: Option<&'a ReducedNet>,
 }
 
 impl SubdividablePatch for NetLeaf<'_> {
     fn degrees(&self) -> (usize, usize) {
-        self.net.degrees
+        self.reduced.map_or(self.net.degrees, |reduced| reduced.degrees)
     }
 
     fn project(&self, space: &RaySpace, cells: &mut Vec<f64>) -> f64 {
-        cells.clear();
         let HomogeneousNet { degrees, points, rational } = self.net;
-        let o = space.line.origin;
-        for axis in space.axes {
-            cells.extend(points.iter().map(|h| axis.dot(h.truncate() - o * h.w)));
+        if let Some(reduced) = self.reduced {
+            return reduced.project(rational, space, cells);
         }
-        if rational {
-            cells.extend(points.iter().map(|h| h.w));
-            // Products of very large or small weights would overflow.
-            let largest = points.iter().fold(f64::MIN_POSITIVE, |most, h| most.max(h.w));
-            let per = 1.0 / power_of_two_below(largest);
-            cells.iter_mut().for_each(|x| *x *= per);
-        }
+        space.project_net(points, rational, cells);
         cell_coefficients::restrict(cells, degrees, self.part);
         2.0 * space.noise
     }
@@ -75,11 +69,6 @@ impl SubdividablePatch for NetLeaf<'_> {
     fn noise(&self, space: &RaySpace) -> f64 {
         space.noise
     }
-}
-
-/// The largest power of two up to `x`, a positive normal number.
-fn power_of_two_below(x: f64) -> f64 {
-    f64::from_bits(x.to_bits() & f64::INFINITY.to_bits())
 }
 
 /// A leaf of any degree as a map to the plane across the ray.
@@ -144,6 +133,7 @@ impl<S: Simd> ProjectedNet<'_, S> {
 pub(super) fn roots<S: Simd>(
     simd: S,
     net: HomogeneousNet<'_>,
+    reduced: Option<&ReducedNet>,
     leaf: &PatchLeaf,
     projection: &LeafProjection,
     space: &RaySpace,
@@ -178,7 +168,7 @@ pub(super) fn roots<S: Simd>(
             Err(NoConvergence) => {}
         }
     }
-    subdivision::roots(&NetLeaf { net, part }, space, scratch);
+    subdivision::roots(&NetLeaf { net, part, reduced }, space, scratch);
     for root in &mut scratch.roots {
         *root = root.of_part(part);
     }

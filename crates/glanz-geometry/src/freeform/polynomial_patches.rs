@@ -2,7 +2,8 @@
 
 use super::SurfacePatch;
 use super::bicubic::Bicubic;
-use super::build::{CHUNK, LeafList, LeafRules};
+use super::build::{CHUNK, LeafRules};
+use super::leaf_list::LeafList;
 use super::net_corrections::NetCorrections;
 use super::subpatches::Subpatch;
 use super::surface_patch::PatchPlacement;
@@ -68,7 +69,7 @@ impl PolynomialPatches {
             part.powers.push(powers);
             let mut leaves = rules.leaves(index, &subpatch, &patch.placement);
             leaves.leaves.reverse();
-            part.leaves.push_all(&leaves, index, &rules.frame);
+            part.leaves.push_all(&leaves, &subpatch, &rules.frame);
         }
         part
     }

@@ -30,6 +30,7 @@ impl LeafSearcher<'_> {
         let Some(projection) = leaf.project(simd, space) else { return };
         let search = LeafSearch {
             subpatches: &surface.subpatches,
+            reduced_nets: &surface.reduced_nets,
             leaf,
             projection: &projection,
             space,

@@ -133,6 +133,28 @@ impl RaySpace {
     pub(super) fn across(&self, v: DVec3) -> DVec2 {
         DVec2::new(self.axes[0].dot(v), self.axes[1].dot(v))
     }
+
+    /// Fills `cells` with the signed distances of homogeneous points, times weight, from both planes through the ray, and with the weights
+    /// if `rational`: one list after the other, in the order of `points`.
+    pub(super) fn project_net(&self, points: &[DVec4], rational: bool, cells: &mut Vec<f64>) {
+        cells.clear();
+        let o = self.line.origin;
+        for axis in self.axes {
+            cells.extend(points.iter().map(|h| axis.dot(h.truncate() - o * h.w)));
+        }
+        if rational {
+            cells.extend(points.iter().map(|h| h.w));
+            // Products of very large or small weights would overflow.
+            let largest = points.iter().fold(f64::MIN_POSITIVE, |most, h| most.max(h.w));
+            let per = 1.0 / power_of_two_below(largest);
+            cells.iter_mut().for_each(|x| *x *= per);
+        }
+    }
+}
+
+/// The largest power of two up to `x`, a positive normal number.
+fn power_of_two_below(x: f64) -> f64 {
+    f64::from_bits(x.to_bits() & f64::INFINITY.to_bits())
 }
 
 /// The z component of the cross product.

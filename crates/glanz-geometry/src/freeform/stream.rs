@@ -348,6 +348,7 @@ impl StreamSearcher<'_> {
         let Some(projection) = leaf.project(simd, &space) else { return };
         let search = LeafSearch {
             subpatches: &surface.subpatches,
+            reduced_nets: &surface.reduced_nets,
             leaf,
             projection: &projection,
             space: &space,

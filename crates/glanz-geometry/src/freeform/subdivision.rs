@@ -11,20 +11,16 @@
 
 use glanz_math::DVec2;
 
+use super::cell_class::{CellClass, CellTest};
 use super::cell_coefficients::split;
 use super::contact_arc::{self, ArcClass};
-use super::contraction::{Certificate, LocalRoot, MapBounds, NoConvergence, PlanarJet, PlanarMap, contract};
+use super::contraction::{LocalRoot, MapBounds, NoConvergence, PlanarJet, PlanarMap, contract};
 use super::control_net::{BernsteinPowers, with_room};
 use super::degree_reduction;
 use super::flat_cell::{FlatCell, join, polish};
-use super::ray_space::{RaySpace, cross};
+use super::ray_space::RaySpace;
 use super::root::{FirstOrderJet, SearchScratch};
-
-/// Largest contraction at which a cell is certified.
-const CERTIFIED: f64 = 0.75;
-
-/// Largest shift by rounding of the root of a certified cell, as a fraction of half the cell.
-const MOST_UNCERTAINTY: f64 = 0.0625;
+use crate::bvh::simd::Isa;
 
 /// Largest number of steps in a certified cell: more than the contraction needs for the last bit.
 const MOST_STEPS: usize = 200;
@@ -40,8 +36,8 @@ const DEFLATED: f64 = 4.0;
 /// apexes and curves in the surface, and four times as many as maps with a double point over a whole patch.
 const MOST_CELLS: usize = 2000;
 
-/// Number of cells of a leaf that are only halved: most leaves need no more, and for them the tests by `degree_reduction` and `contact_arc`
-/// cost more than they save.
+/// Number of cells of a leaf that are only halved, unless a contact is expected in one: most leaves need no more, and for them the tests by
+/// `degree_reduction` and `contact_arc` cost more than they save.
 const EASY_CELLS: usize = 6;
 
 /// Degree from which lower degrees save more than their test costs, in any cell.
@@ -91,18 +87,6 @@ impl SubdivisionCell {
     }
 }
 
-/// Result of a test of a cell for roots.
-enum CellClass {
-    /// No root.
-    Excluded,
-    /// One at most.
-    Certified(Certificate),
-    /// All coefficients are zero to within rounding, or those across the only direction of the projection.
-    Flat,
-    /// Unknown; with the means of the derivatives.
-    Open { across_x: bool, slopes: [DVec2; 2] },
-}
-
 /// Appends every root of `patch` to `scratch.roots`, those on the border of two cells possibly twice.
 #[cold]
 pub(super) fn roots(patch: &impl SubdividablePatch, space: &RaySpace, scratch: &mut SearchScratch) {
@@ -118,8 +102,16 @@ pub(super) fn roots(patch: &impl SubdividablePatch, space: &RaySpace, scratch: &
         reduction: 0.0,
         halved: None,
     };
-    let mut search =
-        LeafSubdivision { patch, space, noise, lists, stack: vec![whole], flats: Vec::new(), is_hard: false };
+    let mut search = LeafSubdivision {
+        isa: Isa::detect(),
+        patch,
+        space,
+        noise,
+        lists,
+        stack: vec![whole],
+        flats: Vec::new(),
+        is_hard: false,
+    };
     let mut count = 0;
     while let Some(cell) = search.stack.pop() {
         count += 1;
@@ -137,6 +129,7 @@ pub(super) fn roots(patch: &impl SubdividablePatch, space: &RaySpace, scratch: &
 
 /// The state of the subdivision of a leaf.
 struct LeafSubdivision<'a, P> {
+    isa: Isa,
     patch: &'a P,
     space: &'a RaySpace,
     /// Bound on the rounding of the coefficients, per weight.
@@ -156,13 +149,14 @@ impl<P: SubdividablePatch> LeafSubdivision<'_, P> {
         scratch.cells.truncate(cell.start + self.lists * n);
         let (both, weights) = scratch.cells[cell.start..].split_at(2 * n);
         // The largest weight of the cell bounds the noise of all its coefficients.
-        let weight = if weights.is_empty() { 1.0 } else { range(weights.iter().copied()).1 };
+        let weight = weights.iter().copied().reduce(f64::max).unwrap_or(1.0);
         let exact = self.noise * cell.factor * weight;
         let noise = exact + cell.reduction;
-        let (across_x, slopes) = match examine(both, cell.degrees, noise) {
+        let (first, second) = both.split_at(n);
+        let test = CellTest { lists: [first, second], degrees: cell.degrees, noise };
+        let (across_x, slopes) = match self.isa.run(test) {
             CellClass::Excluded => return,
             CellClass::Certified(certificate) => {
-                let (first, second) = both.split_at(n);
                 let mut map = CellPolynomials { lists: [first, second], degrees: cell.degrees };
                 let bounds =
                     MapBounds { noise, curvature_bound: f64::INFINITY, weights: [1.0; 2], steps: MOST_STEPS };
@@ -192,7 +186,7 @@ impl<P: SubdividablePatch> LeafSubdivision<'_, P> {
             }
             let most = MOST_REDUCTION * exact;
             if let Some((degrees, error)) =
-                degree_reduction::reduce(&mut scratch.cells, cell.start, cell.degrees, along_x, most)
+                degree_reduction::reduce(&mut scratch.cells, cell.start, cell.degrees, along_x, most, 2)
             {
                 (cell.degrees, cell.reduction) = (degrees, cell.reduction + error);
             }
@@ -248,7 +242,7 @@ impl<P: SubdividablePatch> LeafSubdivision<'_, P> {
             let middle = cell.at(DVec2::splat(0.5));
             self.add(middle, DVec2::splat(TANGENT_UNCERTAINTY), &cell, scratch);
         } else {
-            split(&mut scratch.cells, cell.start, cell.degrees, across_x);
+            split(self.isa, &mut scratch.cells, cell.start, cell.degrees, across_x);
             self.stack.extend([low, high]);
         }
     }
@@ -327,102 +321,6 @@ fn halve(cell: &SubdivisionCell, across_x: bool, size: usize) -> [SubdivisionCel
     high.width = low.width;
     high.start += size;
     [low, high]
-}
-
-/// Smallest and largest of a function of the coefficients.
-fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
-    values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))
-}
-
-fn examine(cell: &[f64], (p, q): (usize, usize), noise: f64) -> CellClass {
-    let (first, second) = cell.split_at(cell.len() / 2);
-    let one_sided = |(low, high): (f64, f64), noise: f64| low > noise || high < -noise;
-    let (range1, range2) = (range(first.iter().copied()), range(second.iter().copied()));
-    if one_sided(range1, noise) || one_sided(range2, noise) {
-        return CellClass::Excluded;
-    }
-    let at = |i: usize, j: usize| DVec2::new(first[j * (p + 1) + i], second[j * (p + 1) + i]);
-    let coefficients = || first.iter().zip(second).map(|(&x, &y)| DVec2::new(x, y));
-    // The mean of the derivatives; the sums telescope.
-    let a = (0..=q).map(|j| at(p, j) - at(0, j)).sum::<DVec2>() / (q + 1) as f64;
-    let b = (0..=p).map(|i| at(i, q) - at(i, 0)).sum::<DVec2>() / (p + 1) as f64;
-    // Combinations in which one of the derivatives drops out: where both are parallel, the curvature remains.
-    let (a_length, b_length) = (a.length(), b.length());
-    let (across_b, across_a) =
-        (range(coefficients().map(|f| cross(f, b))), range(coefficients().map(|f| cross(a, f))));
-    if one_sided(across_b, 1.5 * noise * b_length) || one_sided(across_a, 1.5 * noise * a_length) {
-        return CellClass::Excluded;
-    }
-    if is_one_sided(first, second, noise) {
-        return CellClass::Excluded;
-    }
-    let spread = (range1.1 - range1.0).max(range2.1 - range2.0);
-    let narrow = |(low, high): (f64, f64), noise: f64| low >= -noise && high <= noise;
-    let seen = a_length.max(b_length);
-    if spread <= 2.0 * noise
-        || (seen >= 0.25 * spread
-            && narrow(across_b, 2.0 * noise * b_length)
-            && narrow(across_a, 2.0 * noise * a_length))
-    {
-        return CellClass::Flat;
-    }
-    let det = cross(a, b);
-    // Largest entries of J0^-1 J - I over the cell, bounded by the coefficients of the derivatives.
-    let mut deviations = [0.0_f64; 4];
-    let mut rises = [0.0_f64; 2];
-    for j in 0..=q {
-        for i in 0..=p {
-            if i < p {
-                let du = (at(i + 1, j) - at(i, j)) * p as f64;
-                rises[0] = rises[0].max(du.length_squared());
-                let du = du - a;
-                deviations[0] = deviations[0].max(cross(du, b).abs());
-                deviations[1] = deviations[1].max(cross(a, du).abs());
-            }
-            if j < q {
-                let dv = (at(i, j + 1) - at(i, j)) * q as f64;
-                rises[1] = rises[1].max(dv.length_squared());
-                let dv = dv - b;
-                deviations[2] = deviations[2].max(cross(dv, b).abs());
-                deviations[3] = deviations[3].max(cross(a, dv).abs());
-            }
-        }
-    }
-    let deviation = (deviations[0] + deviations[2]).max(deviations[1] + deviations[3]);
-    // If rounding may move the root by more than a part of the cell, it is next to a tangency: smaller cells are flat.
-    let clear = noise * seen <= MOST_UNCERTAINTY * det.abs();
-    if clear && deviation < CERTIFIED * det.abs() {
-        // By (s, t), whose interval is twice as long.
-        return CellClass::Certified(Certificate { a: 0.5 * a, b: 0.5 * b, q: deviation / det.abs() });
-    }
-    // Along the direction in which the coefficients vary more, so that projected cells become as wide as long.
-    CellClass::Open { across_x: rises[0] >= rises[1], slopes: [a, b] }
-}
-
-/// Whether all coefficients lie on one side of a line at a distance of more than the noise from 0: that across the bisector of the
-/// outermost directions, if they enclose less than half a turn.
-fn is_one_sided(first: &[f64], second: &[f64], noise: f64) -> bool {
-    let mut points = first.iter().zip(second).map(|(&x, &y)| DVec2::new(x, y));
-    let Some(start) = points.next() else { return false };
-    let (mut right, mut left) = (start, start);
-    for point in points {
-        let (beyond_right, beyond_left) = (cross(right, point) < 0.0, cross(left, point) > 0.0);
-        if beyond_right && beyond_left {
-            return false;
-        }
-        if beyond_right {
-            right = point;
-        } else if beyond_left {
-            left = point;
-        }
-        if cross(right, left) < 0.0 {
-            return false;
-        }
-    }
-    let across = right.normalize_or_zero() + left.normalize_or_zero();
-    // The noise bounds each of the coordinates.
-    let limit = 1.5 * noise * across.length();
-    limit > 0.0 && first.iter().zip(second).all(|(x, y)| across.x * x + across.y * y > limit)
 }
 
 /// The coefficients of a cell as a map of [-1, 1]^2.

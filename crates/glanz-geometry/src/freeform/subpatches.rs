@@ -11,6 +11,7 @@ use super::leaf_builder::is_more_curved_along_u;
 use super::net_search::{self, HomogeneousNet};
 use super::parameter_rect::DyadicRect;
 use super::ray_space::RaySpace;
+use super::reduced_net::ReducedNet;
 use super::root::{SearchScratch, SurfaceRoot};
 use super::surface_patch::SurfacePatch;
 use crate::bvh::simd::{Simd, Task};
@@ -53,6 +54,7 @@ pub(super) enum SubpatchList {
 /// The search for the roots of one leaf: a function of its own that all queries share, since it is long.
 pub(super) struct LeafSearch<'a> {
     pub(super) subpatches: &'a SubpatchList,
+    pub(super) reduced_nets: &'a [ReducedNet],
     pub(super) leaf: &'a PatchLeaf,
     pub(super) projection: &'a LeafProjection,
     pub(super) space: &'a RaySpace,
@@ -65,15 +67,15 @@ impl Task for LeafSearch<'_> {
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> Option<SurfaceRoot> {
-        let Self { subpatches, leaf, projection, space, scratch } = self;
+        let Self { subpatches, reduced_nets, leaf, projection, space, scratch } = self;
         let index = leaf.subpatch as usize;
         match subpatches {
             SubpatchList::Polynomial(list) => list.get(index)?.roots(simd, leaf, projection, space, scratch),
             SubpatchList::Rational(list) => list.get(index)?.roots(simd, leaf, projection, space, scratch),
             SubpatchList::General(list) => {
-                let Subpatch { degrees, net, rational, .. } = list.get(index)?;
-                let net = HomogeneousNet { degrees: *degrees, points: net, rational: *rational };
-                net_search::roots(simd, net, leaf, projection, space, scratch)
+                let net = list.get(index)?.homogeneous_net();
+                let reduced = reduced_nets.get(leaf.reduced_net as usize);
+                net_search::roots(simd, net, reduced, leaf, projection, space, scratch)
             }
         }
     }
@@ -97,6 +99,11 @@ impl Subpatch {
         let net = from.patch.shared_control_points();
         let rational = net.iter().any(|p| p.w != 1.0);
         Self { location, degrees: from.patch.degrees(), net, rational }
+    }
+
+    #[inline(always)]
+    pub(super) fn homogeneous_net(&self) -> HomogeneousNet<'_> {
+        HomogeneousNet { degrees: self.degrees, points: &self.net, rational: self.rational }
     }
 
     /// The largest weight over the smallest.

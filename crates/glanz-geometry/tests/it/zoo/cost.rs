@@ -1,5 +1,5 @@
 //! The cost of the hardest rays of sixty pathological surfaces, relative to the median of an ordinary bicubic patch and to that of chords of
-//! the surface itself, which for high degrees and many sheets is what its rays cost.
+//! the surface itself. The second median shows the usual cost for high degrees and many sheets.
 //!
 //! The number of cells is bounded by the test; times depend on what else the machine does, and are printed: `cargo xtask zoo` shows the
 //! table. `GLANZ_ZOO_SHOW` prints undecided rays.
@@ -126,6 +126,8 @@ fn hardest(tested: &TestSurface, count: u64) -> HardestRay {
 #[test]
 fn hardest_rays_have_a_bounded_cost() {
     let count = number("GLANZ_ZOO_HARD", 110);
+    // The medians of surfaces are only for the table, and take longer than the hard rays.
+    let shows_medians = std::env::var_os("GLANZ_ZOO_HARD").is_some();
     let mut surfaces = pathologies::all();
     assert_eq!(surfaces.len(), 60);
     if let Ok(only) = std::env::var("GLANZ_ZOO_ONLY") {
@@ -139,7 +141,8 @@ fn hardest_rays_have_a_bounded_cost() {
     let (mut cells, mut slowest, mut undecided) = (0, 0.0_f64, 0);
     for (kind, tested) in &surfaces {
         let hard = hardest(tested, count);
-        let [ratio, own] = [of_ordinary, median(tested)].map(|median| hard.seconds / median);
+        let ratio = hard.seconds / of_ordinary;
+        let own = if shows_medians { hard.seconds / median(tested) } else { f64::NAN };
         let leaves = tested.surface.statistics().leaves;
         println!(
             "{:13}{:38}{leaves:8}{:7}{ratio:15.0}{own:12.0}{:10}{:8}  {}",
@@ -159,5 +162,5 @@ fn hardest_rays_have_a_bounded_cost() {
     assert!(cells <= MOST_CELLS, "{cells} cells");
 }
 
-/// Largest number of cells of a ray.
-const MOST_CELLS: u64 = 2000;
+/// Largest number of cells of a ray: twice that of the hardest of 330 rays.
+const MOST_CELLS: u64 = 700;
