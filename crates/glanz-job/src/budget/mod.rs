@@ -59,7 +59,7 @@ pub enum BudgetError {
     Interrupted,
     /// The temporary file of what is above the limit of memory failed.
     TemporaryFile {
-        /// Kind of the fault; [`io::ErrorKind::Unsupported`] if no folder is on a disk.
+        /// Kind of the fault; [`io::ErrorKind::Unsupported`] if the first folder is in memory.
         kind: io::ErrorKind,
         /// Number of the fault in the system, if it has one.
         code: Option<i32>,
