@@ -93,7 +93,7 @@ impl FileFinder {
             folder => Self::new(folder),
         };
         finder.budget = budget.clone();
-        // A process that is confined to the scene's folder can write no file.
+        // Scenes of untrusted users must not fill a disk, and a confined process may be unable to write one.
         if !options.confined {
             finder.textures = TextureCache::new(budget.limits().memory / PICTURE_SHARE);
         }

@@ -24,7 +24,7 @@ pub struct Options {
     /// Refuses files outside of this folder, for scenes from untrusted users: names that are absolute or contain `..`,
     /// and links that lead outside. Messages then name files relative to the folder.
     ///
-    /// These users must not be able to change the folder while it is read.
+    /// These users must not be able to change the folder while it is read. Pictures are then always whole in memory.
     pub confined: bool,
     /// Camera, ground and light for models, which have none of their own.
     pub studio: StudioSettings,
