@@ -474,11 +474,11 @@ mod tests {
     #[test]
     fn pictures_in_a_file_have_the_values_of_those_in_memory() {
         for (width, height) in [(700, 333), (1, 5000), (5000, 1), (64, 128), (65, 33)] {
-            of_file_as_of_memory(width, height);
+            assert_same_in_file_and_memory(width, height);
         }
     }
 
-    fn of_file_as_of_memory(width: usize, height: usize) {
+    fn assert_same_in_file_and_memory(width: usize, height: usize) {
         let count = width * height;
         let steps = |i: usize, k: usize| ((i * (37 + k)) % 251) as f32 / 250.0;
         let grey = |i: usize| [steps(i, 0); 3];

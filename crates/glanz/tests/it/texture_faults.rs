@@ -34,7 +34,7 @@ fn add_picture(scene: &mut LoadedScene) -> TextureCache {
     cache
 }
 
-/// As if a texel could not be read.
+/// Records a fault of the file, as a failed read does.
 fn fail(cache: &TextureCache) {
     let fault = "the disk fails".to_owned();
     cache.fail(ScratchFileError {
@@ -51,7 +51,7 @@ fn new_file(name: &str) -> PathBuf {
     Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("textures-{}-{name}", std::process::id()))
 }
 
-fn is_of_textures<T>(result: &Result<T, Error>) -> bool {
+fn is_texture_fault<T>(result: &Result<T, Error>) -> bool {
     matches!(result, Err(Error::Film(FilmError::File(_))))
 }
 
@@ -72,9 +72,9 @@ mod baking {
         let (scene, cache) = scene();
         fail(&cache);
         let path = new_file("light");
-        assert!(is_of_textures(&bake(&scene, &path).run()));
+        assert!(is_texture_fault(&bake(&scene, &path).run()));
         let part = BakePart { part: JobPart::try_new(1, 2).unwrap(), direct_only: false };
-        assert!(is_of_textures(&bake(&scene, &path).run_part(part, None)));
+        assert!(is_texture_fault(&bake(&scene, &path).run_part(part, None)));
         assert!(!path.exists());
     }
 
@@ -89,7 +89,7 @@ mod baking {
             }
         };
         let baked = bake(&scene, &path).cancel(cancel.clone()).on_event(&mut events).run();
-        assert!(is_of_textures(&baked));
+        assert!(is_texture_fault(&baked));
         assert!(!path.exists());
     }
 }
@@ -106,7 +106,7 @@ fn illuminance_is_neither_returned_nor_saved() {
         let resolution = GridResolution::Longer(4);
         let options = IlluminateOptions { method, goal, resolution, ..IlluminateOptions::default() };
         let builder = scene.clone().illuminate().options(options).checkpoint(path.clone());
-        assert!(is_of_textures(&builder.run()), "{}", method.name());
+        assert!(is_texture_fault(&builder.run()), "{}", method.name());
         assert!(!path.exists(), "{}", method.name());
     }
 }
@@ -117,7 +117,7 @@ fn rays_are_not_written() {
     let mut outcome = scene.illuminate().particles(1000).ray_file(true).run().unwrap();
     fail(&cache);
     let path = new_file("escaped.tm25ray");
-    assert!(is_of_textures(&outcome.save_ray_file(&path, JobOptions::default())));
+    assert!(is_texture_fault(&outcome.save_ray_file(&path, JobOptions::default())));
     assert!(!path.exists());
 }
 
@@ -139,7 +139,7 @@ fn ratings_are_not_returned() {
     scene.description_mut().observers.push(point);
     assert!(scene.clone().illuminate().particles(1000).run().unwrap().report.plan.is_some());
     let mut sink = FailingRating(cache);
-    assert!(is_of_textures(&scene.illuminate().particles(1000).on_progress(&mut sink).run()));
+    assert!(is_texture_fault(&scene.illuminate().particles(1000).on_progress(&mut sink).run()));
 }
 
 #[test]
@@ -150,6 +150,6 @@ fn designs_are_not_searched() {
     let settings = OptimizeSettings { rays: 200, iterations: 3, ..OptimizeSettings::default() };
     let path = new_file("design");
     let searched = scene.optimize().settings(settings).checkpoint(path.clone()).run();
-    assert!(is_of_textures(&searched), "{searched:?}");
+    assert!(is_texture_fault(&searched), "{searched:?}");
     assert!(!path.exists());
 }
