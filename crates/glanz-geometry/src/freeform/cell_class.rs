@@ -152,7 +152,7 @@ impl Task for CellTest<'_> {
 }
 
 /// Bounds on a derivative over a cell.
-struct DerivativeBounds {
+struct SlopeBounds {
     /// Square of its length.
     rise: f64,
     /// Its deviations from the mean, across both mean derivatives and times their lengths.
@@ -162,7 +162,7 @@ struct DerivativeBounds {
 impl CellTest<'_> {
     /// Bounds on the derivative by x, or by y, whose mean is `mean`; by the means of both.
     #[inline(always)]
-    fn derivatives<S: Simd>(&self, simd: S, by_x: bool, mean: DVec2, [a, b]: [DVec2; 2]) -> DerivativeBounds {
+    fn derivatives<S: Simd>(&self, simd: S, by_x: bool, mean: DVec2, [a, b]: [DVec2; 2]) -> SlopeBounds {
         let Self { lists: [first, second], degrees: (p, q), .. } = *self;
         let (degree, step) = if by_x { (p, 1) } else { (q, p + 1) };
         let factor = simd.splat8(degree as f64);
@@ -187,7 +187,7 @@ impl CellTest<'_> {
             across[1] = simd.max8(simd.abs8(cross8(simd, x, y, b)), across[1]);
         }
         let across = [largest(simd, across[0]), largest(simd, across[1])];
-        DerivativeBounds { rise: largest(simd, rise), across }
+        SlopeBounds { rise: largest(simd, rise), across }
     }
 }
 
