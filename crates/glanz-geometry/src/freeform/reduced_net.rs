@@ -1,7 +1,7 @@
 //! Control nets of lower degree for the leaves of patches of high degree.
 //!
-//! A leaf of degree 20 is one of degree 8 or so to within rounding. The search by subdivision begins with these control points: to restrict 441 of
-//! them to the leaf, and to find the lower degree, takes a ray longer than all the cells that follow.
+//! A small part of a patch of degree 20 is one of lower degree to within rounding. The search by subdivision begins with these control points:
+//! restricting 441 of them to the leaf, and finding the lower degree, took half the time of a hard ray.
 
 use glanz_math::glam::DVec4;
 
